@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 #include <exception>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 
@@ -22,6 +23,32 @@ struct Refusal : std::runtime_error {
   std::int32_t code;
 };
 
+/// Keeps why a call of this thread is not done, for palpate_last_error(). No allocation. @return code
+std::int32_t refuse(std::int32_t code, const char* why, ...) __attribute__((format(printf, 2, 3)));
+
+// What is wrong with an argument, kept likewise; PALPATE_OK: nothing.
+
+struct Needed {
+  const void* pointer;
+  const char* name;
+};
+inline std::int32_t nullAmong(std::initializer_list<Needed> all) {
+  for (const Needed& needed : all)
+    if (needed.pointer == nullptr) return refuse(PALPATE_BAD_ARGUMENT, "%s is NULL", needed.name);
+  return PALPATE_OK;
+}
+/// @param least, end  what it must be, `end` excluded
+inline std::int32_t outside(const char* name, std::int32_t value, std::int32_t least, std::int32_t end) {
+  if (value >= least && value < end) return PALPATE_OK;
+  return refuse(PALPATE_BAD_ARGUMENT, "%s is %d, not in %d .. %d", name, value, least, end - 1);
+}
+inline std::int32_t otherThan(const char* name, std::int32_t value, std::size_t there) {
+  if (value >= 0 && static_cast<std::size_t>(value) == there) return PALPATE_OK;
+  return refuse(PALPATE_BAD_ARGUMENT, "%s is %d, and there are %zu", name, value, there);
+}
+std::int32_t placeProblem(const double* x, const char* what);
+std::int32_t poseProblem(const double* pose, const char* what);
+
 constexpr int max_threads = 64;  // of a simulation, or of a team
 
 /// The number that callers know a doubt by.
@@ -33,11 +60,15 @@ inline std::int32_t numberOf(Doubt doubt) {
 
 /// Whether a struct's size can be meant: one that was never set is 0 or anything.
 inline bool isSize(std::uint32_t size) { return size >= 8 && size <= 4096; }
+inline std::int32_t badSize(std::uint32_t size) {
+  return refuse(PALPATE_BAD_ARGUMENT, "a struct's size is %u; set it to sizeof the struct", size);
+}
 
 /// Writes what the caller's struct has room for. Its first member is its size.
 template <class T>
 std::int32_t fill(T* out, T value) {
-  if (out == nullptr || !isSize(out->size)) return PALPATE_BAD_ARGUMENT;
+  if (const std::int32_t code = nullAmong({{out, "the struct for the answer"}})) return code;
+  if (!isSize(out->size)) return badSize(out->size);
   const std::uint32_t size = out->size;
   if (size > sizeof(T)) std::memset(out, 0, size);
   value.size = size;
@@ -46,6 +77,7 @@ std::int32_t fill(T* out, T value) {
 }
 
 inline std::int32_t say(palpate_error* error, std::int32_t code, const char* text) {
+  if (code != PALPATE_OK && text != palpate_last_error()) refuse(code, "%s", text);
   if (error == nullptr) return code;
   palpate_error whole{};
   whole.code = code;
@@ -59,7 +91,7 @@ template <class Action>
 std::int32_t guarded(palpate_error* error, Action action) noexcept {
   try {
     const std::int32_t code = action();
-    return say(error, code, code == PALPATE_OK ? "" : palpate_result_text(code));
+    return say(error, code, code == PALPATE_OK ? "" : palpate_last_error());
   } catch (const Refusal& refusal) {
     return say(error, refusal.code, refusal.what());
   } catch (const InputError& input) {

@@ -55,18 +55,20 @@ bool takePose(const palpate_device_pose& given, DevicePose& pose) {
   return isSane(pose);
 }
 
+std::int32_t notCoupled() { return refuse(PALPATE_REFUSED, "the tool hangs on no device; palpate_couple first"); }
+
 }  // namespace
 
 extern "C" {
 
 int32_t palpate_scene_device(const palpate_model* model, palpate_device_settings* settings) {
-  if (model == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{model, "model"}})) return code;
   return fill(settings, settingsFrom(model->model->scene.device));
 }
 
 int32_t palpate_couple(palpate_simulation* simulation, const palpate_device_settings* settings, palpate_error* error) {
   if (simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation is NULL");
-  if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_result_text(code));
+  if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_last_error());
   return guarded(error, [&] {
     const Model& model = *simulation->model;
     const DeviceSettings wanted = settings != nullptr ? deviceFrom(given(settings)) : model.scene.device;
@@ -78,7 +80,7 @@ int32_t palpate_couple(palpate_simulation* simulation, const palpate_device_sett
 }
 
 int32_t palpate_uncouple(palpate_simulation* simulation) {
-  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
   if (const int32_t code = simulation->whyNot()) return code;
   simulation->loop.setDevice(nullptr);
   simulation->coupling.reset();
@@ -87,9 +89,11 @@ int32_t palpate_uncouple(palpate_simulation* simulation) {
 
 int32_t palpate_exchange(palpate_simulation* simulation, int64_t now_ns, const palpate_device_pose* pose,
                          palpate_wrench* wrench) {
-  const bool sized = wrench != nullptr && isSize(wrench->size) && (pose == nullptr || isSize(pose->size));
-  if (simulation == nullptr || !sized || now_ns < 0) return PALPATE_BAD_ARGUMENT;
-  if (!simulation->coupling) return PALPATE_REFUSED;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {wrench, "wrench"}})) return code;
+  if (!isSize(wrench->size)) return badSize(wrench->size);
+  if (pose != nullptr && !isSize(pose->size)) return badSize(pose->size);
+  if (now_ns < 0) return refuse(PALPATE_BAD_ARGUMENT, "now_ns is negative");
+  if (!simulation->coupling) return notCoupled();
   Coupling& coupling = *simulation->coupling;
   DevicePose news;
   const bool usable = pose == nullptr || takePose(given(pose), news);
@@ -107,12 +111,12 @@ int32_t palpate_exchange(palpate_simulation* simulation, int64_t now_ns, const p
   put(answer.force, out.force);
   put(answer.torque, out.torque);
   fill(wrench, out);
-  return usable ? PALPATE_OK : PALPATE_BAD_ARGUMENT;
+  return usable ? PALPATE_OK : refuse(PALPATE_BAD_ARGUMENT, "the handle's pose can't be one: the wrench is without it");
 }
 
 int32_t palpate_read_coupling(const palpate_simulation* simulation, palpate_coupling_state* state) {
-  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
-  if (!simulation->coupling) return PALPATE_REFUSED;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
+  if (!simulation->coupling) return notCoupled();
   const DeviceReport report = simulation->coupling->device.report();
   palpate_coupling_state out{};
   out.engaged = report.engaged;

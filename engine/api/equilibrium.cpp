@@ -155,7 +155,7 @@ int32_t palpate_equilibrium_value(palpate_equilibrium* equilibrium, const palpat
 }
 
 int32_t palpate_equilibrium_expected_error(palpate_equilibrium* equilibrium, double* share) {
-  if (equilibrium == nullptr || share == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{equilibrium, "equilibrium"}, {share, "share"}})) return code;
   return guarded(nullptr, [&] {
     *share = equilibrium->body.expectedError();
     return PALPATE_OK;

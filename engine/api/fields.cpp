@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int32_t max_points = 10'000'000;
 
-[[noreturn]] void refuse(const palpate_points& points, std::size_t k, const char* why) {
+[[noreturn]] void refusePoint(const palpate_points& points, std::size_t k, const char* why) {
   throw Refusal(PALPATE_BAD_ARGUMENT, "point " + std::to_string(k) + " at " + coordinates(points.X[k]) + why);
 }
 
@@ -22,7 +22,7 @@ void check(const palpate_points& points) {
   const SurfaceTree skin(points.model->skin.surface);
   const double tolerance = 0.05 * points.model->scene.discretization.spacing;  // flat faces stand for round ones
   for (std::size_t k = 0; k < points.X.size(); ++k)
-    if (skin.signedDistance(points.X[k]) > tolerance) refuse(points, k, " is not in the body");
+    if (skin.signedDistance(points.X[k]) > tolerance) refusePoint(points, k, " is not in the body");
 }
 
 /// Of any points of the body.
@@ -33,15 +33,18 @@ std::shared_ptr<const palpate_points::Rows> makeRows(const palpate_points& point
   std::vector<InadmissibleSupport> failed;
   const std::vector<int> body = bodiesAt(*model, points.X);
   rows->own = shapeAt(*model, points.X, body, failed);
-  if (!failed.empty()) refuse(points, static_cast<std::size_t>(failed.front().row), " has too few nodes around it");
+  if (!failed.empty())
+    refusePoint(points, static_cast<std::size_t>(failed.front().row), " has too few nodes around it");
   rows->shape = &rows->own;
   rows->nearest = nearestPoints(*model, points.X, body);
   return rows;
 }
 
-/// Whether the points are the simulation's, and the caller's memory is for all of them.
-bool fits(const palpate_points* points, const palpate_simulation* simulation, std::int32_t count) {
-  return points != nullptr && simulation != nullptr && points->model == simulation->model && count == points->count();
+/// What is wrong unless the points are the simulation's, and the caller's memory is for all of them.
+std::int32_t misfit(const palpate_points* points, const palpate_simulation* simulation, std::int32_t count) {
+  if (const std::int32_t code = nullAmong({{simulation, "simulation"}, {points, "points"}})) return code;
+  if (points->model != simulation->model) return refuse(PALPATE_BAD_ARGUMENT, "the points are another model's");
+  return otherThan("count", count, static_cast<std::size_t>(points->count()));
 }
 
 /// The field of nodal values at a point.
@@ -124,16 +127,19 @@ int32_t palpate_points_of(const palpate_model* model, int32_t kind, palpate_poin
 void palpate_points_destroy(palpate_points* points) { delete points; }
 
 int32_t palpate_points_rest(const palpate_points* points, double* X, double* volume, int32_t count) {
-  if (points == nullptr || count != points->count()) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{points, "points"}})) return code;
+  if (const int32_t code = otherThan("count", count, static_cast<std::size_t>(points->count()))) return code;
   const Model& model = *points->model;
-  if (volume != nullptr && !points->have_volumes) return PALPATE_BAD_ARGUMENT;
+  if (volume != nullptr && !points->have_volumes)
+    return refuse(PALPATE_BAD_ARGUMENT, "only integration points have volumes; give NULL");
   for (std::size_t k = 0; X != nullptr && k < points->X.size(); ++k) put(points->X[k], X + 3 * k);
   if (volume != nullptr) std::copy(model.point_volume.begin(), model.point_volume.end(), volume);
   return PALPATE_OK;
 }
 
 int32_t palpate_displacements(palpate_simulation* simulation, const palpate_points* points, double* u, int32_t count) {
-  if (u == nullptr || !fits(points, simulation, count)) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{u, "u"}})) return code;
+  if (const int32_t code = misfit(points, simulation, count)) return code;
   return guarded(nullptr, [&] {
     const Snapshot& snapshot = simulation->loop.snapshots().latest();
     const auto place =
@@ -145,8 +151,9 @@ int32_t palpate_displacements(palpate_simulation* simulation, const palpate_poin
 
 int32_t palpate_velocities(const palpate_simulation* simulation, const palpate_points* points, double* v,
                            int32_t count) {
-  if (v == nullptr || !fits(points, simulation, count)) return PALPATE_BAD_ARGUMENT;
-  if (!simulation->standsStill()) return PALPATE_BUSY;
+  if (const int32_t code = nullAmong({{v, "v"}})) return code;
+  if (const int32_t code = misfit(points, simulation, count)) return code;
+  if (!simulation->standsStill()) return simulation->busy();
   return guarded(nullptr, [&] {
     const auto rows = points->rowsAt(simulation->sharedPresent());
     putField(*rows, simulation->physics.state().du, 1 / simulation->model->dt, v);
@@ -156,8 +163,8 @@ int32_t palpate_velocities(const palpate_simulation* simulation, const palpate_p
 
 int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_points* points, double* stress, double* J,
                          int32_t count) {
-  if (!fits(points, simulation, count)) return PALPATE_BAD_ARGUMENT;
-  if (!simulation->standsStill()) return PALPATE_BUSY;
+  if (const int32_t code = misfit(points, simulation, count)) return code;
+  if (!simulation->standsStill()) return simulation->busy();
   return guarded(nullptr, [&] {
     const auto rows = points->rowsAt(simulation->sharedPresent());
     const Model& model = *rows->of;
@@ -179,10 +186,10 @@ int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_poi
 }
 
 int32_t palpate_reactions(const palpate_simulation* simulation, double* force, double* moment, int32_t region_count) {
-  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
   const std::vector<Reaction>& reactions = simulation->physics.reactions();
-  if (region_count != static_cast<std::int32_t>(reactions.size())) return PALPATE_BAD_ARGUMENT;
-  if (!simulation->standsStill()) return PALPATE_BUSY;
+  if (const int32_t code = otherThan("region_count", region_count, reactions.size())) return code;
+  if (!simulation->standsStill()) return simulation->busy();
   for (std::size_t b = 0; b < reactions.size(); ++b) {
     if (force != nullptr) put(reactions[b].force, force + 3 * b);
     if (moment != nullptr) put(reactions[b].moment, moment + 3 * b);
@@ -191,9 +198,9 @@ int32_t palpate_reactions(const palpate_simulation* simulation, double* force, d
 }
 
 int32_t palpate_pin_force(const palpate_simulation* simulation, int32_t vertex, double* force) {
-  if (simulation == nullptr || force == nullptr || vertex < 0 || vertex >= simulation->model->skin.vertexCount())
-    return PALPATE_BAD_ARGUMENT;
-  if (!simulation->standsStill()) return PALPATE_BUSY;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {force, "force"}})) return code;
+  if (const int32_t code = outside("vertex", vertex, 0, simulation->model->skin.vertexCount())) return code;
+  if (!simulation->standsStill()) return simulation->busy();
   put(simulation->physics.pinForce(vertex), force);
   return PALPATE_OK;
 }

@@ -119,9 +119,12 @@ struct palpate_simulation {
   }
   /// Whether the calling thread may look at the state.
   bool standsStill() const { return !running || palpate::api::isInTickCall(*this); }
+  static std::int32_t busy() { return palpate::api::refuse(PALPATE_BUSY, "%s", palpate_result_text(PALPATE_BUSY)); }
   /// Why it may not change the state or the loop: PALPATE_OK, PALPATE_BUSY or, in a tick call, PALPATE_REFUSED.
   std::int32_t whyNot() const {
-    return palpate::api::isInTickCall(*this) ? PALPATE_REFUSED : running ? PALPATE_BUSY : PALPATE_OK;
+    if (palpate::api::isInTickCall(*this))
+      return palpate::api::refuse(PALPATE_REFUSED, "not from a call of palpate_on_tick");
+    return running ? busy() : PALPATE_OK;
   }
 };
 

@@ -151,7 +151,7 @@ void palpate_model_destroy(palpate_model* model) {
 }
 
 int32_t palpate_describe(const palpate_model* model, palpate_model_info* info) {
-  if (model == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{model, "model"}})) return code;
   const Model& m = *model->model;
   palpate_model_info out{};
   out.node_count = m.nodeCount();
@@ -170,9 +170,9 @@ int32_t palpate_describe(const palpate_model* model, palpate_model_info* info) {
 }
 
 int32_t palpate_skin_triangles(const palpate_model* model, int32_t* corners, int32_t triangle_count) {
-  if (model == nullptr || corners == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{model, "model"}, {corners, "corners"}})) return code;
   const auto& triangles = model->model->skin.surface.triangles;
-  if (triangle_count != static_cast<std::int32_t>(triangles.size())) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = otherThan("triangle_count", triangle_count, triangles.size())) return code;
   for (const auto& triangle : triangles)
     for (const int corner : triangle) *corners++ = corner;
   return PALPATE_OK;

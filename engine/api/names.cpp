@@ -44,7 +44,8 @@ extern "C" {
 
 int32_t palpate_count(const palpate_model* model, int32_t kind, int32_t* count) {
   const auto* names = namesIn(model, kind);
-  if (names == nullptr || count == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (names == nullptr) return refuse(PALPATE_BAD_ARGUMENT, "model is NULL, or kind %d is none", kind);
+  if (const int32_t code = nullAmong({{count, "count"}})) return code;
   *count = static_cast<std::int32_t>(names->size());
   return PALPATE_OK;
 }

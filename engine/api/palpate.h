@@ -11,8 +11,8 @@
  * Structs begin with their size: set it to sizeof before a call. A library that knows more fields than you fills those
  * that you know; one that knows fewer leaves yours at 0.
  *
- * Functions return PALPATE_OK or why not. None prints, exits, throws or keeps a pointer of yours. A NULL where
- * something must be is PALPATE_BAD_ARGUMENT.
+ * Functions return PALPATE_OK or why not; palpate_last_error has it in words. None prints, exits, throws or keeps a
+ * pointer of yours. A NULL where something must be is PALPATE_BAD_ARGUMENT.
  *
  * Threads: models may be used by any number of threads. Each function of a simulation says who may call it:
  *   (control)  one thread at a time, and none while another is in a function marked (control)
@@ -163,6 +163,10 @@ PALPATE_API const char* palpate_build(void);
 /* A sentence for an outcome, or for a palpate_state.doubt ("" for none). */
 PALPATE_API const char* palpate_result_text(int32_t code);
 PALPATE_API const char* palpate_doubt_text(int32_t doubt);
+
+/* Why the calling thread's last call that was not done was not: "vertex is 5000, not below 2000". "": none failed. It
+ * stays until another one fails. */
+PALPATE_API const char* palpate_last_error(void);
 
 /* ---- Model ---- */
 

@@ -44,7 +44,7 @@ extern "C" {
 
 int32_t palpate_record_start(palpate_simulation* simulation, palpate_error* error) {
   if (simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation is NULL");
-  if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_result_text(code));
+  if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_last_error());
   return guarded(error, [&] {
     if (simulation->recorder) throw Refusal(PALPATE_REFUSED, "it is recorded already; palpate_record_stop first");
     if (simulation->loop.memory().tick != 0 || simulation->physics.state().step != 0)
@@ -60,7 +60,7 @@ int32_t palpate_record_start(palpate_simulation* simulation, palpate_error* erro
 
 int32_t palpate_record_stop(palpate_simulation* simulation, const char* file, palpate_error* error) {
   if (simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation is NULL");
-  if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_result_text(code));
+  if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_last_error());
   return guarded(error, [&] {
     if (!simulation->recorder) throw Refusal(PALPATE_REFUSED, "it is not recorded; palpate_record_start first");
     if (file != nullptr) {

@@ -91,9 +91,10 @@ size_t palpate_save_size(const palpate_simulation* simulation) {
 }
 
 int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t size) {
-  if (simulation == nullptr || bytes == nullptr || size == 0 || size != palpate_save_size(simulation))
-    return PALPATE_BAD_ARGUMENT;
-  if (!simulation->standsStill()) return PALPATE_BUSY;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {bytes, "bytes"}})) return code;
+  if (const std::size_t needed = palpate_save_size(simulation); size != needed)
+    return refuse(PALPATE_BAD_ARGUMENT, "size is %zu, and palpate_save_size() %zu", size, needed);
+  if (!simulation->standsStill()) return simulation->busy();
   return guarded(nullptr, [&] {
     char* const begin = static_cast<char*>(bytes);
     char* at = begin + sizeof(Header);
@@ -121,7 +122,7 @@ int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t s
 
 int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_t size, palpate_error* error) {
   if (simulation == nullptr || bytes == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation or bytes is NULL");
-  if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_result_text(code));
+  if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_last_error());
   return guarded(error, [&] {
     const char* at = static_cast<const char*>(bytes);
     Header header;
@@ -164,8 +165,8 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
 }
 
 int32_t palpate_hash(const palpate_simulation* simulation, uint64_t* hash) {
-  if (simulation == nullptr || hash == nullptr) return PALPATE_BAD_ARGUMENT;
-  if (!simulation->standsStill()) return PALPATE_BUSY;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {hash, "hash"}})) return code;
+  if (!simulation->standsStill()) return simulation->busy();
   return guarded(nullptr, [&] {
     *hash = simulation->physics.stateHash();
     return PALPATE_OK;

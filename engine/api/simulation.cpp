@@ -85,13 +85,20 @@ void TickCall::afterTick() {
 
 /// The loop takes it in the next tick; where none runs, now.
 std::int32_t palpate::api::send(palpate_simulation& simulation, const Request& request) {
-  if (isInTickCall(simulation)) return PALPATE_REFUSED;
-  if (!simulation.loop.commands().push(request)) return PALPATE_REFUSED;  // full: the loop has not run for long
+  if (isInTickCall(simulation)) return simulation.whyNot();
+  if (!simulation.loop.commands().push(request))
+    return refuse(PALPATE_REFUSED, "too much was asked for between two ticks, or the loop has not run for long");
   if (!simulation.running) simulation.loop.advanceHere(0);
   return PALPATE_OK;
 }
 
 namespace {
+
+std::int32_t toolIsTaken() { return refuse(PALPATE_REFUSED, "a device has the tool; palpate_uncouple first"); }
+
+std::int32_t ofTheParent() {
+  return refuse(PALPATE_REFUSED, "a forked process has none of this simulation's threads; make a simulation in it");
+}
 
 void setHand(palpate_simulation& simulation, const Pose& pose, std::uint64_t sequence) {
   HandSlot& hand = simulation.loop.hand();
@@ -159,11 +166,14 @@ void palpate_destroy(palpate_simulation* simulation) {
 }
 
 int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* pose, palpate_state* state) {
-  if (simulation == nullptr || n < 0 || (pose != nullptr && !isPose(pose))) return PALPATE_BAD_ARGUMENT;
-  if (state != nullptr && !isSize(state->size)) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
+  if (n < 0) return refuse(PALPATE_BAD_ARGUMENT, "n is negative");
+  if (pose != nullptr)
+    if (const int32_t code = poseProblem(pose, "pose")) return code;
+  if (state != nullptr && !isSize(state->size)) return badSize(state->size);
   if (const int32_t code = simulation->whyNot()) return code;
-  if (pose != nullptr && simulation->coupling) return PALPATE_REFUSED;
-  if (simulation->following && simulation->process != getpid()) return PALPATE_REFUSED;  // its worker is the parent's
+  if (pose != nullptr && simulation->coupling) return toolIsTaken();
+  if (simulation->following && simulation->process != getpid()) return ofTheParent();
   return guarded(nullptr, [&] {
     if (pose != nullptr) setHand(*simulation, poseFrom(pose), ++simulation->step_sequence);
     simulation->loop.advanceHere(n);
@@ -172,11 +182,12 @@ int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* po
 }
 
 int32_t palpate_start(palpate_simulation* simulation, uint32_t flags) {
-  if (simulation == nullptr || (flags & ~static_cast<std::uint32_t>(PALPATE_ORDINARY_THREAD)) != 0)
-    return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
+  if ((flags & ~static_cast<std::uint32_t>(PALPATE_ORDINARY_THREAD)) != 0)
+    return refuse(PALPATE_BAD_ARGUMENT, "flags are %u, which none are", flags);
   if (const int32_t code = simulation->whyNot()) return code;
   if (simulation->process != getpid() && (simulation->following || simulation->physics.team().size() > 1))
-    return PALPATE_REFUSED;
+    return ofTheParent();
   return guarded(nullptr, [&] {
     simulation->loop.setRealTime((flags & PALPATE_ORDINARY_THREAD) == 0);
     simulation->loop.start();
@@ -186,9 +197,9 @@ int32_t palpate_start(palpate_simulation* simulation, uint32_t flags) {
 }
 
 int32_t palpate_stop(palpate_simulation* simulation) {
-  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
-  if (isInTickCall(*simulation)) return PALPATE_REFUSED;  // it would wait for itself
-  if (!simulation->running) return PALPATE_OK;            // a loop that never ran would remember it
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
+  if (isInTickCall(*simulation)) return simulation->whyNot();  // it would wait for itself
+  if (!simulation->running) return PALPATE_OK;                 // a loop that never ran would remember it
   return guarded(nullptr, [&] {
     simulation->loop.quit();
     simulation->loop.join();
@@ -199,14 +210,15 @@ int32_t palpate_stop(palpate_simulation* simulation) {
 }
 
 int32_t palpate_set_target(palpate_simulation* simulation, const double* pose, uint64_t sequence) {
-  if (simulation == nullptr || !isPose(pose)) return PALPATE_BAD_ARGUMENT;
-  if (simulation->coupling) return PALPATE_REFUSED;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
+  if (const int32_t code = poseProblem(pose, "pose")) return code;
+  if (simulation->coupling) return toolIsTaken();
   setHand(*simulation, poseFrom(pose), sequence);
   return PALPATE_OK;
 }
 
 int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state) {
-  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
   const ForceReading reading = simulation->loop.force();
   const ForceSample& s = reading.sample;
   palpate_state out{};
@@ -238,14 +250,15 @@ int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient)
 
 int32_t palpate_set_tool_friction(palpate_simulation* simulation, int32_t tool, double coefficient) {
   constexpr double largest = 2;  // as of scenes
-  if (simulation == nullptr || tool < 0 || tool >= simulation->model->tools.toolCount() ||
-      !(coefficient >= 0 && coefficient <= largest))
-    return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
+  if (const int32_t code = outside("tool", tool, 0, simulation->model->tools.toolCount())) return code;
+  if (!(coefficient >= 0 && coefficient <= largest))
+    return refuse(PALPATE_BAD_ARGUMENT, "the coefficient is %g, not in 0 .. %g", coefficient, largest);
   return guarded(nullptr, [&] { return send(*simulation, Request::setFriction(coefficient, tool)); });
 }
 
 int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, void* user) {
-  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
   if (const int32_t code = simulation->whyNot()) return code;
   return guarded(nullptr, [&] {
     auto made = call != nullptr ? std::make_unique<TickCall>(*simulation, call, user) : nullptr;
@@ -286,10 +299,11 @@ int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, c
 
 int32_t palpate_material_parameter(const palpate_simulation* simulation, int32_t material, int32_t index,
                                    palpate_parameter* parameter) {
-  if (simulation == nullptr || parameter == nullptr || index < 0 || material < 0) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {parameter, "parameter"}})) return code;
   const std::vector<MaterialSpec>& of_scene = simulation->model->scene.materials;
+  if (const int32_t code = outside("material", material, 0, static_cast<std::int32_t>(of_scene.size()))) return code;
+  if (index < 0) return refuse(PALPATE_BAD_ARGUMENT, "index is negative");
   const auto m = static_cast<std::size_t>(material);
-  if (m >= of_scene.size()) return PALPATE_BAD_ARGUMENT;
   const bool mixed = simulation->materials.size() != of_scene.size();  // then none can be set
   *parameter = {};
   int k = 0;
@@ -302,11 +316,12 @@ int32_t palpate_material_parameter(const palpate_simulation* simulation, int32_t
 }
 
 int32_t palpate_reset(palpate_simulation* simulation) {
-  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
-  if (isInTickCall(*simulation)) return PALPATE_REFUSED;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
+  if (isInTickCall(*simulation)) return simulation->whyNot();
   return guarded(nullptr, [&]() -> std::int32_t {
     if (simulation->running) return send(*simulation, Request::simple(Request::Kind::Reset));
-    if (simulation->recorder) return PALPATE_REFUSED;  // its ticks would begin anew
+    if (simulation->recorder)
+      return refuse(PALPATE_REFUSED, "it is recorded, and its ticks would begin anew; palpate_record_stop first");
     simulation->physics.reset();
     simulation->loop.recall(simulation->start);
     simulation->step_sequence = 0;

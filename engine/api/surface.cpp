@@ -69,10 +69,10 @@ void forEachContactPoint(const Model& model, const State& state, Call call) {
 extern "C" {
 
 int32_t palpate_skin_positions(palpate_simulation* simulation, float* positions, int32_t vertex_count) {
-  if (simulation == nullptr || positions == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {positions, "positions"}})) return code;
   const Snapshot& snapshot = simulation->loop.snapshots().latest();
   const SkinModel& skin = modelOf(snapshot, *simulation->model).skin;
-  if (vertex_count != skin.vertexCount()) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = otherThan("vertex_count", vertex_count, skin.surface.vertices.size())) return code;
   for (int v = 0; v < vertex_count; ++v) {
     const Vec3f x = skinPosition(skin, v, snapshot.u.data()).cast<float>();
     positions = std::copy_n(x.data(), 3, positions);
@@ -81,8 +81,8 @@ int32_t palpate_skin_positions(palpate_simulation* simulation, float* positions,
 }
 
 int32_t palpate_rigid_forces(palpate_simulation* simulation, double* force, int32_t rigid_count) {
-  if (simulation == nullptr || force == nullptr) return PALPATE_BAD_ARGUMENT;
-  if (rigid_count != static_cast<std::int32_t>(simulation->model->rigid.body.size())) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {force, "force"}})) return code;
+  if (const int32_t code = otherThan("rigid_count", rigid_count, simulation->model->rigid.body.size())) return code;
   const Snapshot& snapshot = simulation->loop.snapshots().latest();
   for (std::size_t b = 0; b < static_cast<std::size_t>(rigid_count); ++b)
     put(snapshot.report.rigid[b].force, force + 3 * b);
@@ -91,8 +91,10 @@ int32_t palpate_rigid_forces(palpate_simulation* simulation, double* force, int3
 
 int32_t palpate_contacts(palpate_simulation* simulation, int32_t* vertex, float* force, int32_t capacity,
                          int32_t* count) {
-  if (simulation == nullptr || count == nullptr || capacity < 0) return PALPATE_BAD_ARGUMENT;
-  if (capacity > 0 && (vertex == nullptr || force == nullptr)) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {count, "count"}})) return code;
+  if (capacity < 0) return refuse(PALPATE_BAD_ARGUMENT, "capacity is negative");
+  if (capacity > 0)
+    if (const int32_t code = nullAmong({{vertex, "vertex"}, {force, "force"}})) return code;
   const Snapshot& snapshot = simulation->loop.snapshots().latest();
   *count = snapshot.contact_entries;
   for (std::size_t k = 0; k < static_cast<std::size_t>(std::min(capacity, *count)); ++k) {
@@ -107,8 +109,9 @@ int32_t palpate_contacts(palpate_simulation* simulation, int32_t* vertex, float*
 
 int32_t palpate_contact_points(const palpate_simulation* simulation, double* position, double* normal, double* force,
                                int32_t* tool, int32_t capacity, int32_t* count) {
-  if (simulation == nullptr || count == nullptr || capacity < 0) return PALPATE_BAD_ARGUMENT;
-  if (!simulation->standsStill()) return PALPATE_BUSY;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {count, "count"}})) return code;
+  if (capacity < 0) return refuse(PALPATE_BAD_ARGUMENT, "capacity is negative");
+  if (!simulation->standsStill()) return simulation->busy();
   *count = 0;
   forEachContactPoint(simulation->present(), simulation->physics.state(),
                       [&](int of_tool, const Vec3& at, const Vec3& outward, const Vec3& on_tissue) {
@@ -123,7 +126,9 @@ int32_t palpate_contact_points(const palpate_simulation* simulation, double* pos
 }
 
 int32_t palpate_closest(palpate_simulation* simulation, const double* x, palpate_skin_point* place) {
-  if (simulation == nullptr || !isPlace(x) || place == nullptr || !isSize(place->size)) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {place, "place"}})) return code;
+  if (const int32_t code = placeProblem(x, "x")) return code;
+  if (!isSize(place->size)) return badSize(place->size);
   return guarded(nullptr, [&] {
     const SurfaceTree& tree = skinNow(*simulation);
     const Vec3 from(x[0], x[1], x[2]);
@@ -140,10 +145,12 @@ int32_t palpate_closest(palpate_simulation* simulation, const double* x, palpate
 
 int32_t palpate_ray(palpate_simulation* simulation, const double* origin, const double* direction,
                     palpate_skin_point* place) {
-  if (simulation == nullptr || !isPlace(origin) || !isPlace(direction) || place == nullptr || !isSize(place->size))
-    return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{simulation, "simulation"}, {place, "place"}})) return code;
+  if (const int32_t code = placeProblem(origin, "origin")) return code;
+  if (const int32_t code = placeProblem(direction, "direction")) return code;
+  if (!isSize(place->size)) return badSize(place->size);
   const Vec3 from(origin[0], origin[1], origin[2]), along(direction[0], direction[1], direction[2]);
-  if (!(along.norm() > 0) || !std::isfinite(along.norm())) return PALPATE_BAD_ARGUMENT;
+  if (!(along.norm() > 0)) return refuse(PALPATE_BAD_ARGUMENT, "direction is 0");
   return guarded(nullptr, [&] {
     const SurfaceTree& tree = skinNow(*simulation);
     palpate_skin_point out{};

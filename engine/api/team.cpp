@@ -93,7 +93,7 @@ int32_t palpate_step_many(palpate_team* team, palpate_simulation* const* simulat
     else
       for (std::int32_t k = 0; k < count; ++k) one(k);
     for (std::int32_t k = 0; states != nullptr && k < count; ++k) palpate_read(simulations[k], stateAt(states, k));
-    return failed ? PALPATE_FAILED : PALPATE_OK;
+    return failed ? refuse(PALPATE_FAILED, "a simulation could not be stepped") : PALPATE_OK;
   });
 }
 

@@ -6,8 +6,9 @@ using namespace palpate::api;
 
 namespace {
 
-bool hasTool(const palpate_simulation* simulation, std::int32_t tool) {
-  return simulation != nullptr && tool >= 0 && tool < simulation->model->tools.toolCount();
+std::int32_t toolProblem(const palpate_simulation* simulation, std::int32_t tool) {
+  if (const std::int32_t code = nullAmong({{simulation, "simulation"}})) return code;
+  return outside("tool", tool, 0, simulation->model->tools.toolCount());
 }
 
 }  // namespace
@@ -15,13 +16,14 @@ bool hasTool(const palpate_simulation* simulation, std::int32_t tool) {
 extern "C" {
 
 int32_t palpate_tool_count(const palpate_model* model, int32_t* count) {
-  if (model == nullptr || count == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = nullAmong({{model, "model"}, {count, "count"}})) return code;
   *count = model->model->tools.toolCount();
   return PALPATE_OK;
 }
 
 int32_t palpate_set_tool_target(palpate_simulation* simulation, int32_t tool, const double* pose, uint64_t sequence) {
-  if (!hasTool(simulation, tool) || !isPose(pose)) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = toolProblem(simulation, tool)) return code;
+  if (const int32_t code = poseProblem(pose, "pose")) return code;
   if (tool == 0) return palpate_set_target(simulation, pose, sequence);
   HandSlot& hand = simulation->loop.toolHands().further[static_cast<std::size_t>(tool - 1)];
   hand.back() = {poseFrom(pose), sequence};
@@ -30,15 +32,17 @@ int32_t palpate_set_tool_target(palpate_simulation* simulation, int32_t tool, co
 }
 
 int32_t palpate_set_opening(palpate_simulation* simulation, int32_t tool, double opening) {
-  if (!hasTool(simulation, tool) || !(opening >= 0 && opening <= farthest)) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = toolProblem(simulation, tool)) return code;
+  if (!(opening >= 0 && opening <= farthest))
+    return refuse(PALPATE_BAD_ARGUMENT, "opening is %g, not in 0 .. %g", opening, farthest);
   const auto k = static_cast<std::size_t>(tool);
-  if (!simulation->model->tools.tool[k].jaws) return PALPATE_BAD_ARGUMENT;
+  if (!simulation->model->tools.tool[k].jaws) return refuse(PALPATE_BAD_ARGUMENT, "tool %d has no jaws", tool);
   simulation->loop.toolHands().opening[k].store(opening, std::memory_order_relaxed);
   return PALPATE_OK;
 }
 
 int32_t palpate_read_tool(const palpate_simulation* simulation, int32_t tool, palpate_tool_state* state) {
-  if (!hasTool(simulation, tool)) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = toolProblem(simulation, tool)) return code;
   palpate_tool_state out{};
   const ToolReadings readings = simulation->loop.toolReadings();
   const ToolReading& t = readings.tool[static_cast<std::size_t>(tool)];

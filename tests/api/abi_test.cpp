@@ -171,6 +171,7 @@ static_assert(same<decltype(palpate_create), int32_t(const palpate_model*, Simul
 static_assert(same<decltype(palpate_destroy), void(Simulation)>);
 static_assert(same<decltype(palpate_step), int32_t(Simulation, int64_t, const double*, palpate_state*)>);
 static_assert(same<decltype(palpate_start), int32_t(Simulation, uint32_t)>);
+static_assert(same<decltype(palpate_last_error), const char*()>);
 static_assert(same<decltype(palpate_stop), int32_t(Simulation)>);
 static_assert(same<decltype(palpate_set_target), int32_t(Simulation, const double*, uint64_t)>);
 static_assert(same<decltype(palpate_read), int32_t(const palpate_simulation*, palpate_state*)>);

@@ -197,7 +197,7 @@ loaded.clear_forces()
 assert loaded.hash() == at_rest
 refused(ValueError, lambda: loaded.set_force(0, [0, 0, np.nan]), "[2] is nan")
 refused(ValueError, lambda: loaded.set_force(-1, [0, 0, 1]), "no vertex -1")
-refused(palpate.Error, lambda: loaded.set_force(1 << 20, [0, 0, 1]), "set_force: ")
+refused(palpate.Error, lambda: loaded.set_force(1 << 20, [0, 0, 1]), "set_force: vertex is 1048576, not in -1 .. ")
 
 # Pins, regions and a recording.
 recorded = palpate.Simulation(block)

@@ -271,7 +271,7 @@ def _load_library():
         getattr(lib, "palpate_" + name).argtypes, getattr(lib, "palpate_" + name).restype = [pointer], None
     lib.palpate_save_size.argtypes, lib.palpate_save_size.restype = [pointer], size
     lib.palpate_name.argtypes, lib.palpate_name.restype = [pointer, number, number], C.c_char_p
-    for name in ("version", "build", "result_text", "doubt_text"):
+    for name in ("version", "build", "result_text", "doubt_text", "last_error"):
         getattr(lib, "palpate_" + name).restype = C.c_char_p
     return lib
 
@@ -302,7 +302,7 @@ def _call(name, *arguments, error=None):
         raise ValueError(f"{name}: {problem}") from None
     if code != OK:
         text = error.text.decode(errors="replace") if error is not None else ""
-        raise Error(code, text or name + ": " + library().palpate_result_text(code).decode())
+        raise Error(code, text or name + ": " + library().palpate_last_error().decode(errors="replace"))
 
 
 def _path(value):

@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 
-from ._library import (BAD_ARGUMENT, FAILED, OK, REFUSED, Coupling, Error, SkinPlace, State, ToolState, Wrench, _call,
+from ._library import (BAD_ARGUMENT, FAILED, OK, Coupling, Error, SkinPlace, State, ToolState, Wrench, _call,
                        _Coupling, _Device, _DevicePose, _Error, _fits, _Int64, _Parameter, _SkinPlace, _State,
                        _TickCall, _ToolState, _UInt32, _Wrench, find_library, library)
 from .model import Model, _doubles, _numbers, _pose
@@ -59,13 +59,7 @@ class Simulation:
 
     def start(self, real_time=True):
         """Goes on by itself at the model's rate. real_time: ask the system for real-time scheduling."""
-        try:
-            _call("start", self._handle, 0 if real_time else 1)
-        except Error as error:
-            if error.code != REFUSED:
-                raise
-            raise Error(REFUSED, "a forked process has none of this simulation's threads; make a Simulation in it") \
-                from None
+        _call("start", self._handle, 0 if real_time else 1)
 
     def stop(self):
         _call("stop", self._handle)
