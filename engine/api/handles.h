@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "api/border.h"
 #include "api/palpate.h"
 #include "discretization/surface/surface_tree.h"
 #include "model/model.h"
