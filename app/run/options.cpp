@@ -312,8 +312,6 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   if (o.demo && o.offscreen) return refusal("--demo is for the window; leave out --offscreen");
   if (!o.replay.empty() && !o.tool_script.empty())
     return refusal("--replay and --tool both say where the tool goes; give one of them");
-  if (!o.replay.empty() && o.replay == o.record)
-    return refusal("--record would overwrite the recording that --replay reads; name another file");
   if (const std::string problem = readPictureOptions(o, texts); !problem.empty()) return refusal(problem);
   if (const std::string problem = deviceProblem(o); !problem.empty()) return refusal(problem);
   for (int k = 0; k < argc; ++k) o.command += (k > 0 ? " " : "") + std::string(argv[k]);

@@ -9,6 +9,7 @@
 #include "base/input_error.h"
 #include "base/nearest_word.h"
 #include "base/number_text.h"
+#include "io/json_text.h"
 #include "io/text_file.h"
 
 namespace palpate::app {
@@ -64,6 +65,8 @@ Baseline::Baseline(const std::string& file, const std::string& blank_report)
     : file_(file), text_(readWholeFile(file, {}, most_baseline_bytes)) {
   const Json json = Json::parse(text_, nullptr, false), report = Json::parse(blank_report);
   if (!json.is_object()) throw InputError({file}, "no JSON object", "give one whose keys are those of report.json");
+  if (const std::string key = doubledKey(text_); !key.empty())
+    throw InputError(placeOf(file, text_, key), inQuotes(key) + " stands there twice", "leave one out");
   for (const auto& [key, wanted] : json.items()) {
     const SourceLocation place = placeOf(file, text_, key);
     bool fine = false;

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "app/run/run_export.h"
+#include "app/run/run_files.h"
 #include "app/trainer/feel_check.h"
 #include "app/trainer/felt_layout.h"
 #include "base/interrupt.h"
@@ -38,26 +39,6 @@ constexpr std::size_t window_record_capacity = 1 << 14;  // half a minute, in wh
 constexpr double notice_seconds = 6;  // of the run, that a notice stays when its cause does not come again
 
 std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
-
-/// The files that the run will write, opened or tried before anything takes time.
-std::optional<ResultFolder> openResults(const Options& options) {
-  const std::string named = "out/" + std::filesystem::path(options.scene).stem().string();
-  const std::string folder = options.out.empty() ? named + (options.soak_minutes ? "-soak" : "") : options.out;
-  // First what lies elsewhere, so that nothing is left where it can't be written.
-  const auto check = [&](bool in_folder) {
-    const auto folderOf = [](const std::filesystem::path& path) { return (path / "").lexically_normal(); };
-    for (const auto& [file, option] :
-         {std::pair{options.record, "--record"}, {options.export_file, "--export"}, {options.animation, "--animation"}})
-      if (!file.empty() && (folderOf(std::filesystem::path(file).parent_path()) == folderOf(folder)) == in_folder)
-        checkWritable(file, std::string("choose another file with ") + option);
-  };
-  check(false);
-  std::optional<ResultFolder> results;
-  // A soak's force curve would grow by 150 MB an hour and tell nothing that its report doesn't.
-  if (options.offscreen || options.soak_minutes || !options.out.empty()) results.emplace(folder, !options.soak_minutes);
-  check(true);
-  return results;
-}
 
 bool isSubmitted(const Recording& recording) {
   return std::any_of(recording.changes.begin(), recording.changes.end(),
@@ -270,7 +251,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       scene_hash_(app::sceneHash(options)),
       tool_script_(namedScript(options.tool_script, scene.tools[0].shape.radius)),
       replay_(recordingToReplay(options, scene)),
-      results_(openResults(options)),
+      results_(openResults(options, scene)),
       loaded_(loadedModelOf(options, scene_, log, progress)),
       model_(*loaded_.model),
       scene_materials_(model_.materials),
@@ -284,6 +265,11 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
   if (const std::string layer = layerWarning(model_); !layer.empty()) log_.warning(layer);
   if (const std::string coarse = resolutionWarning(model_); !coarse.empty() && !certificate_) log_.warning(coarse);
   if (certificate_) log_.info("the force is " + certifiedText(*certificate_, certificate_->deepest()));
+  if (const double limit = scene_.force.rate_limit; limit > 0)
+    log_.warning(
+        format("the force that is shown rises by %.3g N/s at most (force.rate_limit): the tissue's may be "
+               "another, in force.csv as raw",
+               limit));
   if (isTask(scene_) && !options_.answers) beginSearch();
   SimulationLoopOptions loop_options;
   loop_options.as_fast_as_possible = options_.as_fast_as_possible;

@@ -14,6 +14,7 @@
 #include "base/printable_text.h"
 #include "base/types.h"
 #include "model/report.h"
+#include "realtime/channels/command_queue.h"
 
 namespace palpate::api {
 
@@ -112,11 +113,9 @@ T given(const T* in) {
   return value;
 }
 
-inline constexpr double farthest = 1e6;  // m: beyond, steps towards a place are lost to rounding
-
-/// Three numbers, each finite and no larger than `farthest`.
+/// Three numbers, each finite and no larger than Request::farthest.
 inline bool isPlace(const double* x) {
-  return x != nullptr && std::all_of(x, x + 3, [](double v) { return std::abs(v) <= farthest; });
+  return x != nullptr && std::all_of(x, x + 3, [](double v) { return std::abs(v) <= Request::farthest; });
 }
 
 inline bool isPose(const double* p) {

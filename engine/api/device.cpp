@@ -32,7 +32,8 @@ DeviceSettings deviceFrom(const palpate_device_settings& s) {
     return value;
   };
   DeviceSettings device;
-  device.locked = s.locked != 0;
+  if (s.locked != 0 && s.locked != 1) throw Refusal(PALPATE_BAD_ARGUMENT, "\"locked\" must be 0 or 1");
+  device.locked = s.locked == 1;
   device.stiffness = in_range("stiffness", s.stiffness);
   device.damping = in_range("damping", s.damping);
   device.max_force = in_range("max_force", s.max_force);

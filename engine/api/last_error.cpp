@@ -29,7 +29,7 @@ std::int32_t palpate::api::placeProblem(const double* x, const char* what) {
   if (x == nullptr) return refuse(PALPATE_BAD_ARGUMENT, "%s is NULL", what);
   if (isPlace(x)) return PALPATE_OK;
   return refuse(PALPATE_BAD_ARGUMENT, "%s is (%g, %g, %g): give finite numbers of at most %g", what, x[0], x[1], x[2],
-                farthest);
+                Request::farthest);
 }
 
 extern "C" const char* palpate_last_error(void) { return last.text; }

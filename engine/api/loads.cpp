@@ -7,9 +7,6 @@ using namespace palpate::api;
 
 namespace {
 
-/// What may be set beyond which no scene goes.
-constexpr double max_gravity = 1000;  // m/s^2, a hundred times the earth's
-
 /// What is wrong unless it is a vertex, or -1.
 std::int32_t vertexProblem(const palpate_simulation* simulation, std::int32_t vertex) {
   if (const std::int32_t code = nullAmong({{simulation, "simulation"}})) return code;
@@ -41,8 +38,8 @@ extern "C" {
 int32_t palpate_set_gravity(palpate_simulation* simulation, const double* acceleration) {
   if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
   if (const int32_t code = placeProblem(acceleration, "acceleration")) return code;
-  if (vectorOf(acceleration).cwiseAbs().maxCoeff() > max_gravity)
-    return refuse(PALPATE_BAD_ARGUMENT, "acceleration has a component beyond %g m/s^2", max_gravity);
+  if (vectorOf(acceleration).cwiseAbs().maxCoeff() > Request::most_gravity)
+    return refuse(PALPATE_BAD_ARGUMENT, "acceleration has a component beyond %g m/s^2", Request::most_gravity);
   return change(*simulation, Request::setGravity(vectorOf(acceleration)));
 }
 

@@ -117,7 +117,7 @@ typedef struct palpate_state {
   double age_s;             /* wall time since the tick began that computed this */
   double pose[7];           /* of the tool that the tissue felt: it may yield, or lag behind a fast hand */
   double force[3];          /* N, on the tool, as computed */
-  double force_filtered[3]; /* N, low-passed and limited in its rate, for a hand or a display */
+  double force_filtered[3]; /* N, low-passed ([force] cutoff of the scene), for a display */
   double torque[3];         /* N m, on the tool about its tip, as computed */
   double normal[3];         /* unit, from the tissue towards the tool; 0: no contact */
   double stiffness;         /* N/m, of late, force over travel along the normal (50 ms); 0: not known */
@@ -340,7 +340,8 @@ PALPATE_API int32_t palpate_rigid_forces(palpate_simulation* simulation, double*
 enum { PALPATE_NODES = 0, PALPATE_INTEGRATION_POINTS = 1 };
 
 /* Material points of which fields are asked, made once for all simulations of a model, and used by any threads. Given
- * ones, or a model's own in its order. PALPATE_BAD_ARGUMENT names the first that is not in the body.
+ * ones, or a model's own in its order. PALPATE_BAD_ARGUMENT names the first that is not in the body, nor within a
+ * twentieth of the nodes' spacing.
  * @param X      (count, 3) m, where they are at rest
  * @param count  where they are asked for: as many as there are */
 PALPATE_API int32_t palpate_points_create(const palpate_model* model, const double* X, int32_t count,

@@ -64,6 +64,11 @@ int32_t palpate_record_stop(palpate_simulation* simulation, const char* file, pa
   return guarded(error, [&] {
     if (!simulation->recorder) throw Refusal(PALPATE_REFUSED, "it is not recorded; palpate_record_start first");
     if (file != nullptr) {
+      const Scene& scene = simulation->model->scene;
+      for (const std::string& read : scene.files)
+        if (isSameFile(file, read)) throw Refusal(PALPATE_REFUSED, "the scene reads " + read + "; name another file");
+      if (isSameFile(file, scene.place.file))
+        throw Refusal(PALPATE_REFUSED, scene.place.file + " is the scene's own file; name another one");
       if (const std::int64_t lost = simulation->loop.lostChanges(); lost > 0)
         throw Refusal(
             PALPATE_FAILED,

@@ -9,6 +9,7 @@
 #include "api/border.h"
 #include "api/handles.h"
 #include "base/build_info.h"
+#include "base/number_text.h"
 #include "mechanics/materials/material_law.h"
 #include "realtime/loop/thread_setup.h"
 
@@ -249,11 +250,10 @@ int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient)
 }
 
 int32_t palpate_set_tool_friction(palpate_simulation* simulation, int32_t tool, double coefficient) {
-  constexpr double largest = 2;  // as of scenes
   if (const int32_t code = nullAmong({{simulation, "simulation"}})) return code;
   if (const int32_t code = outside("tool", tool, 0, simulation->model->tools.toolCount())) return code;
-  if (!(coefficient >= 0 && coefficient <= largest))
-    return refuse(PALPATE_BAD_ARGUMENT, "the coefficient is %g, not in 0 .. %g", coefficient, largest);
+  if (!(coefficient >= 0 && coefficient <= Request::most_friction))
+    return refuse(PALPATE_BAD_ARGUMENT, "the coefficient is %g, not in 0 .. %g", coefficient, Request::most_friction);
   return guarded(nullptr, [&] { return send(*simulation, Request::setFriction(coefficient, tool)); });
 }
 
@@ -288,6 +288,9 @@ int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, c
                     "density can't be changed live, as the nodes' masses are made of it; load a scene "
                     "that has it");
     wanted.updateModuli();
+    if (!isOfMatter(wanted))
+      throw Refusal(PALPATE_BAD_ARGUMENT,
+                    format("a shear modulus of %.3g Pa is that of no matter; give moduli in Pa", wanted.shear_modulus));
     if (const double excess = simulation->physics.excessOf(material, wanted); excess > 0)
       throw Refusal(PALPATE_REFUSED, "the material is " + std::to_string(excess) +
                                          " times too stiff for the time step; load a scene that has it");

@@ -33,8 +33,8 @@ int32_t palpate_set_tool_target(palpate_simulation* simulation, int32_t tool, co
 
 int32_t palpate_set_opening(palpate_simulation* simulation, int32_t tool, double opening) {
   if (const int32_t code = toolProblem(simulation, tool)) return code;
-  if (!(opening >= 0 && opening <= farthest))
-    return refuse(PALPATE_BAD_ARGUMENT, "opening is %g, not in 0 .. %g", opening, farthest);
+  if (!(opening >= 0 && opening <= Request::farthest))
+    return refuse(PALPATE_BAD_ARGUMENT, "opening is %g, not in 0 .. %g", opening, Request::farthest);
   const auto k = static_cast<std::size_t>(tool);
   if (!simulation->model->tools.tool[k].jaws) return refuse(PALPATE_BAD_ARGUMENT, "tool %d has no jaws", tool);
   simulation->loop.toolHands().opening[k].store(opening, std::memory_order_relaxed);

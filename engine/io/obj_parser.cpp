@@ -133,7 +133,7 @@ SurfaceFile parseObj(const std::string& text, const std::string& file, SurfaceRe
     try {
       reader.read();
     } catch (const InputError& error) {
-      if (!first) first = error;
+      if (!first) first = error, result.unreadable = error.what();
       constexpr int max_unreadable = 10'000;  // beyond, it is no OBJ file
       if (reading == SurfaceReading::Strict || ++result.unreadable_faces > max_unreadable) throw;
     }

@@ -30,6 +30,14 @@ bool isWrittenItself(const std::string& path) {
 
 }  // namespace
 
+bool isSameFile(const std::string& a, const std::string& b) {
+  if (a.empty() || b.empty() || isWrittenItself(a)) return false;
+  std::error_code error;
+  if (std::filesystem::equivalent(a, b, error)) return true;
+  const auto whole = [&](const std::string& path) { return std::filesystem::weakly_canonical(path, error); };
+  return whole(a) == whole(b);
+}
+
 void failWriting(const std::string& path, int error, const std::string& advice) {
   const bool full = error == ENOSPC || error == EDQUOT;
   throw std::runtime_error("can't write " + path + ": " +

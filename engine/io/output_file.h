@@ -12,6 +12,9 @@ namespace palpate {
 void writeWholeFile(const std::string& path, std::string_view bytes,
                     const std::string& advice = "choose another place");
 
+/// Whether both paths are one regular file, or would be; none is where one is empty.
+bool isSameFile(const std::string& a, const std::string& b);
+
 /// A file that grows beside the one that it replaces, as FILE.part, until what it is for has been accepted.
 /// Given up before, it is removed, and what stood there stays. What is no regular file (a device, a folder) has
 /// nothing to lose: it is written itself.

@@ -56,6 +56,7 @@ void readMeasured(const TomlTable& table, const std::string& folder, BoundarySpe
   const auto load = std::make_shared<PointLoad>(readPoints(path.string(), unit, frame, table.place("points")));
   load->sheet = table.readChoice("spread", 0) == 1;
   boundary.points = load;
+  table.noteFile(path.string());
 }
 
 /// Where a region goes.

@@ -291,6 +291,7 @@ Scene readScene(const SceneText& given, std::span<const SceneChange> changes) {
   camera.read("elevation", scene.camera.elevation_deg);
   camera.read("fov", scene.camera.fov_deg);
 
+  scene.files = std::move(file.files);
   scene.places = std::move(file.places);
   scene.set_up_values = setUpValues(file, scene.dynamics.mass_scaling > 0);
   return scene;

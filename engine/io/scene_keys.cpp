@@ -332,8 +332,9 @@ constexpr KeySpec scene_keys[] = {
 
     {"force", "cutoff", T::Number, "Hz", "30", aboveUpTo(0, 1000), "",
      "Corner frequency of the first-order low-pass of the filtered force.", never},
-    {"force", "rate_limit", T::Number, "N/s", "200", above(0), "",
-     "The filtered force changes no faster than this.", never},
+    {"force", "rate_limit", T::Number, "N/s", "0", atLeast(0), "",
+     "The filtered force, which is the one that is shown, changes no faster than this; 0: as fast as it does. For "
+     "programs that hand it to a device without a coupling.", never},
 
     {"device", "class", T::Text, "", "\"light\"", {}, "light|medium|strong",
      "What the keys without a value are chosen for: devices of 3.3 N that hold 400 N/m, of 8 N and 3,000 N/m, of 12 N "

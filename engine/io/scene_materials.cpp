@@ -22,6 +22,7 @@ std::string existingFile(const TomlTable& table, const std::string& key, const s
     throw InputError(table.place(key), "there is no " + what + " " + file.string(),
                      "the path starts from the scene file's folder");
   }
+  table.noteFile(file.string());
   return file.string();
 }
 
@@ -110,8 +111,7 @@ Material readLaw(const TomlTable& table) {
   readRelaxation(table, material);
   if (const auto problem = law.check(material))
     throw InputError(table.place(problem->parameter), problem->problem, problem->advice);
-  constexpr double least_Pa = 0.1, most_Pa = 1e13;  // softer than any gel, stiffer than diamond
-  if (!(material.shear_modulus >= least_Pa && material.shear_modulus <= most_Pa))
+  if (!isOfMatter(material))
     throw InputError(table.place(law.parameters.front().name),
                      format("a shear modulus of %.3g Pa is that of no matter", material.shear_modulus),
                      "give moduli in Pa: a liver has a young of some 3000");

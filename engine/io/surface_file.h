@@ -15,6 +15,7 @@ struct SurfaceFile {
   int concave_polygons = 0;  // that were cut into triangles
   int unused_vertices = 0;   // that no face has, left out
   int unreadable_faces = 0;  // left out (SurfaceReading::Tolerant): cut off, or with a vertex that is not there
+  std::string unreadable;    // the first line that can't be read, and why; "": none is known
 };
 
 /// Whether a damaged file is refused, or what can be read of it is taken and the rest counted.

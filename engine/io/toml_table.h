@@ -32,6 +32,7 @@ struct TomlFile {
   std::map<std::string, SourceLocation> places;  // dotted key ("material[0].young") -> where it stands
   /// What was read of the keys that a preparation depends on, always or with mass scaling: dotted key -> its value.
   std::map<std::string, std::string> set_up{}, set_up_with_mass_scaling{};
+  std::vector<std::string> files{};  // that its values name
 };
 
 /// A table of a TOML file, read by its key specifications. Each read checks type, range and choices and
@@ -80,6 +81,9 @@ class TomlTable {
 
   /// A table below this one; an empty one where it is absent and not required.
   TomlTable table(const std::string& key, std::vector<std::string> groups) const;
+
+  /// Adds a file that a value names.
+  void noteFile(std::string file) const { file_->files.push_back(std::move(file)); }
 
   /// Whether the key is there and is a list.
   bool isList(const std::string& key) const;

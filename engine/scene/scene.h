@@ -222,8 +222,8 @@ struct DynamicsSpec {
 
 /// How the force is smoothed for display and devices.
 struct ForceSpec {
-  double cutoff_hz = 30;    // first-order low-pass
-  double rate_limit = 200;  // N/s
+  double cutoff_hz = 30;  // first-order low-pass
+  double rate_limit = 0;  // N/s; 0: none
 };
 
 /// The first view.
@@ -240,6 +240,7 @@ struct CameraSpec {
 struct Scene {
   std::string name;
   SourceLocation place;                          // the file itself
+  std::vector<std::string> files;                // that it names: surfaces, images, points, scripts
   std::map<std::string, SourceLocation> places;  // where a key stands ("dynamics.time_step"), for errors
   /// The values that the reader accepted of all keys that a Preparation depends on (KeySpec::SetUp), one a line: what a
   /// cache goes by. Empty: made or changed by a program, and then nothing is kept.

@@ -303,6 +303,10 @@ TEST_CASE("What can't be used is told with its place, and leaves the caller's pr
   const palpate_parameter parameter{"young", &young, 1};
   CHECK(palpate_set_material(simulation.get(), 1, &parameter, 1, &error) == PALPATE_BAD_ARGUMENT);
   CHECK_THAT(error.text, Catch::Contains("no material"));
+  const double nothing = 1e-300;
+  const palpate_parameter softest{"young", &nothing, 1};
+  CHECK(palpate_set_material(simulation.get(), 0, &softest, 1, &error) == PALPATE_BAD_ARGUMENT);
+  CHECK_THAT(error.text, Catch::Contains("is that of no matter"));
   CHECK(palpate_script(model.get(), nullptr, nullptr, -1, &count, &error) == PALPATE_BAD_ARGUMENT);
   CHECK_THAT(error.text, Catch::Contains("capacity is negative"));
   CHECK(hashOf(simulation) == rest);

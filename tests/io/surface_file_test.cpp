@@ -210,6 +210,7 @@ TEST_CASE("A tolerant reader takes what can be read, and counts the rest", "[io]
   const SurfaceFile file = surfaceFrom(damaged, "cube.obj", 1, SurfaceReading::Tolerant);
   CHECK(file.surface.triangles.size() + static_cast<std::size_t>(file.unreadable_faces) == 12 + 3);
   CHECK(file.surface.vertices.size() == 7);
+  CHECK_THAT(file.unreadable, Contains("cube.obj:") && Contains("\"nan\""));
   const std::string binary = binaryStl(boxSurface({1, 1, 1}, 1));
   const SurfaceFile cut = surfaceFrom(binary.substr(0, binary.size() - 70), "a.stl", 1, SurfaceReading::Tolerant);
   CHECK(cut.unreadable_faces == 2);

@@ -95,8 +95,8 @@ TEST_CASE("A batch gives the same bits with any number of workers, keeps failure
   CHECK(report["failed"] == 1);
   CHECK(report["physics_seconds"].get<double>() > 0.4);
 
-  // Only what is missing, failed or of another job is run again.
-  std::filesystem::remove_all(folder.path("one/soft"));
+  // Only what is missing, in part, too, failed or of another job is run again.
+  std::filesystem::remove(folder.path("one/soft/field.npz"));
   const auto before = std::filesystem::last_write_time(folder.path("one/plain/force.csv"));
   CHECK(folder.runBatch("one", 2) == 1);
   CHECK(nlohmann::json::parse(folder.read("one/batch.json"))["kept_from_before"] == 3);
@@ -106,6 +106,16 @@ TEST_CASE("A batch gives the same bits with any number of workers, keeps failure
   CHECK(folder.runBatch("one", 2) == 1);
   CHECK(nlohmann::json::parse(folder.read("one/batch.json"))["kept_from_before"] == 0);
   CHECK(folder.read("one/results.jsonl") != results);
+}
+
+TEST_CASE("Where a result can't be written its job failed, and the others go on", "[batch]") {
+  const BatchFolder folder;
+  std::filesystem::create_directories(folder.path("out/plain/result.json"));
+  CHECK(folder.runBatch("out", 2) == 1);
+  const nlohmann::json report = nlohmann::json::parse(folder.read("out/batch.json"));
+  CHECK(report["done"] == 3);
+  CHECK(report["failed"] == 2);
+  CHECK_THAT(folder.read("out/results.jsonl"), Contains("out/plain/result.json: Is a directory"));
 }
 
 TEST_CASE("A job's cloud follows its tool, with the same bits again", "[batch][whole]") {
@@ -160,6 +170,8 @@ TEST_CASE("A line that is no job is refused with its place", "[batch]") {
   CHECK_THAT(refused("{"), Contains("j.jsonl:3: this line is no JSON"));
   CHECK_THAT(refused("[]"), Contains("j.jsonl:3: a job is no JSON object"));
   CHECK_THAT(refused("{}"), Contains("without a scene"));
+  CHECK_THAT(refused(R"({"scene": "liver", "set": {"tool.radius": 0.01, "tool.radius": 0.02}})"),
+             Contains("j.jsonl:3: \"tool.radius\" stands there twice"));
   CHECK_THAT(refused(R"({"scene": "liver", "secnods": 1})"), Contains("\"secnods\"") && Contains("seconds"));
   CHECK_THAT(refused(R"({"scene": "liver", "seconds": -1})"), Contains("\"seconds\" is no number above 0"));
   CHECK_THAT(refused(R"({"scene": "liver", "field": "pdf"})"), Contains("\"vtu\" and \"npz\""));

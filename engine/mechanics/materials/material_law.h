@@ -77,6 +77,12 @@ void forEachParameter(SomeMaterial&& material, Call call) {
        std::span(&material.relaxation[0], 2 * static_cast<std::size_t>(material.relaxation_count)));
 }
 
+/// Whether it has the shear modulus of some matter: from softer than any gel to stiffer than diamond.
+inline bool isOfMatter(const Material& material) {
+  constexpr double least_Pa = 0.1, most_Pa = 1e13;
+  return material.shear_modulus >= least_Pa && material.shear_modulus <= most_Pa;
+}
+
 /// Adds the law, all its values and the moduli at rest.
 void add(ByteKey& key, const Material& material);
 

@@ -49,6 +49,11 @@ struct Request {
   Material material;            // SetMaterial
   PlaceIndex place = no_place;  // GoToPlace
 
+  // What programs may ask for, and recordings hold.
+  static constexpr double farthest = 1e6;       // m or N, of a component: beyond, steps are lost to rounding
+  static constexpr double most_gravity = 1000;  // m/s^2, of a component: a hundred times the earth's
+  static constexpr double most_friction = 2;    // as scenes
+
   /// What is said while the tool moves: recorded at its tick, and nothing that the tissue feels.
   bool isSaid() const { return kind == Kind::Mark || kind == Kind::Unmark || kind == Kind::Submit; }
 

@@ -16,6 +16,7 @@ struct Recording {
   double rate_hz = 0;
   std::int64_t ticks = 0;             // of the run
   std::vector<TimedRequest> changes;  // ascending ticks
+  std::vector<int> line = {};         // (change_count) of the file that it was read from, or empty
 };
 
 struct Model;
@@ -23,7 +24,7 @@ struct Model;
 /// Throws InputError unless the recording was made at this rate. Needs no model.
 void checkRate(const Recording& recording, double rate_hz, const std::string& file);
 
-/// Throws InputError unless the recording was made with this model and rate.
+/// Throws InputError unless the recording was made with this model and rate, and has nothing that can't be asked of it.
 void checkRecordingFits(const Recording& recording, const Model& model, const std::string& file);
 
 /// A track that moves the tool to poses[k] in tick k.

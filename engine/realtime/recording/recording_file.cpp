@@ -314,6 +314,7 @@ Recording readRecording(const std::string& file) {
     change.request = readChange(line);
     line.done();
     recording.changes.push_back(change);
+    recording.line.push_back(number);
   }
   throw InputError({file, number}, "the recording is cut off after this line: 'end' is missing",
                    "record the run again");

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "app/run/run_files.h"
 #include "io/indent_script.h"
 #include "support/block_text.h"
 #include "support/captured_output.h"
@@ -296,6 +297,30 @@ TEST_CASE("Files that can't be written are refused before the set-up is made", "
     CHECK_NOTHROW(Session(wrong, app::readScene(wrong), log));
     std::filesystem::remove_all(options.out);
   }
+}
+
+TEST_CASE("What a run reads, or writes already, it does not overwrite", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = true;
+  options.scene = folder.write("block.toml", test::touched_block_text);
+  options.out = folder.path("out");
+  const auto refused = [&](std::string Options::*output, const std::string& name, const char* why) {
+    Options wrong = options;
+    wrong.*output = folder.path(name);
+    const std::string scene = readAll(options.scene);
+    CHECK_THROWS_WITH(openResults(wrong, app::readScene(wrong)), Catch::Contains(why));
+    CHECK(readAll(options.scene) == scene);
+    CHECK_FALSE(std::filesystem::exists(options.out));
+  };
+  refused(&Options::record, "block.toml", "--record would overwrite it, and the scene reads it");
+  refused(&Options::animation, "out/../block.toml", "--animation would overwrite it");
+  refused(&Options::record, "out/report.json", "both --record and --out would write it");
+  refused(&Options::compare, "out/snapshot.png", "--out would overwrite it, and --compare reads it");
+  options.record = folder.path("a.rec");
+  refused(&Options::export_file, "./a.rec", "both --record and --export would write it");
+  options.tool_script = folder.write("press.toml", "name = \"p\"\n[[keyframe]]\ntime = 0.1\nadvance = 0.001\n");
+  refused(&Options::record, "press.toml", "--tool reads it");
 }
 
 TEST_CASE("A run in real time leaves a core to others where nothing is said of threads", "[session]") {

@@ -203,6 +203,37 @@ TEST_CASE("No cut of a recording passes for a whole one", "[recording]") {
   }
 }
 
+TEST_CASE("What can't be asked of a model is refused in a recording, with its line", "[recording]") {
+  const Model model = test::smallModel();
+  const int vertices = model.skin.vertexCount();
+  const auto refused = [&](const Request& request, const char* why) {
+    Recording recording;
+    recording.rate_hz = model.scene.dynamics.rate_hz;
+    recording.model_hash = modelHash(model);
+    recording.changes = {{0, Request::moveTool(Pose())}, {1, request}};
+    recording.line = {5, 6};
+    CHECK_THROWS_WITH(checkRecordingFits(recording, model, "file"),
+                      Catch::StartsWith("file:6: ") && Catch::Contains(why));
+  };
+  Pose far;
+  far.position.x() = 2e6;
+  refused(Request::moveTool(far), "a pose with a component beyond 1e+06");
+  refused(Request::pin(vertices, Vec3::Zero()), "there is no skin vertex");
+  refused(Request::setForce(0, Vec3(0, 0, 1e30)), "beyond 1e+06");
+  refused(Request::moveRegion(9, Vec3::Zero()), "there is no region 9");
+  refused(Request::setFriction(-1), "friction must be 0 .. 2");
+  refused(Request::setFriction(0.1, 1), "there is no tool 1");
+  refused(Request::setGravity(Vec3(0, 0, 1e30)), "gravity with a component beyond 1000");
+  refused(Request::moveHand(1, Pose()), "there is no tool 1");
+  Material material = model.materials[0];
+  refused(Request::setMaterial(7, material), "there is no material 7");
+  material.set("young", {{-1.0}});
+  refused(Request::setMaterial(0, material), "young must be > 0");
+  material = model.materials[0];
+  material.density *= 2;
+  refused(Request::setMaterial(0, material), "density");
+}
+
 TEST_CASE("A recording of another model or rate is refused", "[recording]") {
   const Model model = test::smallModel();
   Recording recording;

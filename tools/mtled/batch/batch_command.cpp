@@ -17,7 +17,6 @@
 #include "base/interrupt.h"
 #include "base/key.h"
 #include "base/number_text.h"
-#include "imaging/membership.h"
 #include "io/find_asset.h"
 #include "io/output_file.h"
 #include "io/scene_file.h"
@@ -63,13 +62,8 @@ std::string originOf(const BatchJob& job) {
   for (const std::string& file : {findScene(job.scene), job.tool.empty() ? "" : findToolScript(job.tool)})
     if (!file.empty()) key.add(fnv1a(readWholeFile(file)));
   try {
-    const Scene scene = readScene(findScene(job.scene), job.changes);
-    for (const OrganSpec& organ : scene.organs)
-      if (!organ.surface_file.empty()) key.add(fnv1a(readWholeFile(organ.surface_file)));
-    for (const MaterialSpec& material : scene.materials)
-      if (material.membership) key.add(fnv1a(identityOf(*material.membership)));
-    for (const BoundarySpec& boundary : scene.boundaries)
-      if (boundary.points) key.add(fnv1a(readWholeFile(boundary.points->file)));
+    for (const std::string& file : readScene(findScene(job.scene), job.changes).files)
+      key.add(fnv1a(readWholeFile(file)));
   } catch (const InputError&) {  // said when the job is run
   }
   return sourceIdentity() + " " + std::to_string(key.hash());
@@ -134,12 +128,18 @@ class Batch {
     const std::string file = folderOf(job) + "/result.json";
     std::error_code ignored;
     if (!fs::is_regular_file(file, ignored)) return {};
+    std::vector<std::string> outputs{"force.csv"};
+    if (!job.field.empty()) outputs.push_back("field." + job.field);
+    if (job.picture) outputs.emplace_back("picture.png");
     try {
       const std::string text = readWholeFile(file);
       const std::size_t end = text.find('\n');
       BatchResult result = resultFromLine(text.substr(0, end), {file});
       const bool same = end != std::string::npos && text.substr(end + 1) == originOf(job) + "\n";
-      if (same && result.done && result.job == job.text) return result;
+      const bool whole = std::all_of(outputs.begin(), outputs.end(), [&](const std::string& output) {
+        return fs::is_regular_file(folderOf(job) + "/" + output, ignored);
+      });
+      if (same && whole && result.done && result.job == job.text) return result;
     } catch (const InputError&) {  // damaged: it is run again
     }
     return {};
@@ -172,8 +172,13 @@ class Batch {
       result.reason = error.what();
     }
     std::error_code ignored;
-    if (fs::is_directory(folderOf(job), ignored))
-      writeWholeFile(folderOf(job) + "/result.json", toLine(result) + "\n" + origin + "\n");
+    try {
+      if (fs::is_directory(folderOf(job), ignored))
+        writeWholeFile(folderOf(job) + "/result.json", toLine(result) + "\n" + origin + "\n");
+    } catch (const std::exception& error) {
+      result.done = false;
+      result.reason += (result.reason.empty() ? "" : "; ") + std::string(error.what());
+    }
     return result;
   }
 

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/nearest_word.h"
+#include "io/json_text.h"
 #include "io/text_file.h"
 
 namespace palpate::tools {
@@ -88,6 +89,8 @@ void forEachLine(const std::string& path, Each each) {
     const SourceLocation place{path, number, 0};
     const Json json = Json::parse(line, nullptr, false);
     if (json.is_discarded()) throw InputError(place, "this line is no JSON", "write one job in each line");
+    if (const std::string key = doubledKey(line); !key.empty())
+      throw InputError(place, inQuotes(key) + " stands there twice", "leave one out");
     each(json, place);
   }
 }

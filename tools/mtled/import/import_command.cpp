@@ -152,7 +152,8 @@ class SurfaceImport {
       if (file_.unreadable_faces == 0) throw;
       throw InputError({}, error.what(),
                        "but first: " + std::to_string(file_.unreadable_faces) +
-                           " of the file's faces can't be read (cut off, or without proper vertices): write it anew");
+                           " of the file's faces can't be read (cut off, or without proper vertices): write it anew" +
+                           (file_.unreadable.empty() ? "" : "; the first: " + file_.unreadable));
     }
   }
 
@@ -186,6 +187,7 @@ class SurfaceImport {
     if (inside_share_ > 0.0005)
       find(format("%.2g %% of the file's surface lies within the organ", 100 * inside_share_));
     if (!report_.changedNothing()) find("distance from the file's outer surface to the organ's: " + deviation_.text());
+    if (!file_.unreadable.empty()) find("the first line that can't be read: " + file_.unreadable);
     warnings_.clear();
     if (deviation_.from_given.furthest >= 0)
       warnWhereLost(outside[static_cast<std::size_t>(deviation_.from_given.furthest)]);

@@ -180,6 +180,9 @@ void readImages(Import& import) {
   const Image of_file = reader.get();
   for (const std::string& text : of_mask) import.note(text);
   noteValues(import, of_file);
+  for (const int label : import.options.label)
+    if (std::find(of_file.value.begin(), of_file.value.end(), static_cast<float>(label)) == of_file.value.end())
+      import.note(format("%s: no voxel has the label %d", maskFile(import.options).c_str(), label));
   const Mask given = onScan(import, maskOf(of_file, import.options.label));
   MaskParts parts;
   if (countOf(given) == 0)

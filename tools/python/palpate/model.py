@@ -76,6 +76,8 @@ class Model:
     def __init__(self, scene=None, threads=0, rate_hz=0, cache=None, *, set=None, text=None, folder=None, name=None):
         if (scene is None) == (text is None):
             raise TypeError("a model is made of a scene or of a text")
+        if text is not None and "\0" in text:
+            raise ValueError("a scene's text with a zero byte")
         self._handle = C.c_void_p()
         changes = [_change(key, value) for key, value in (set or {}).items()]
         options = _Options(threads=_Int32.from_param(threads).value, rate_hz=rate_hz,

@@ -350,6 +350,8 @@ def step_many(simulations, poses=None, ticks=1, team=None, states=None):
     for k, simulation in enumerate(simulations):
         if not isinstance(simulation, Simulation) or not simulation._handle:
             raise Error(BAD_ARGUMENT, f"simulation {k}: it is closed, or none")
+    if team is not None and not team._handle:
+        raise Error(BAD_ARGUMENT, "the team is closed")
     count = len(simulations)
     if states is None:
         states = np.zeros(count, dtype=STATE)
