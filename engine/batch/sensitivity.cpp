@@ -185,9 +185,9 @@ double EquilibriumSensitivity::precondition(Field& r, Field& g) {
   return dotOf(r, g);
 }
 
-/// x += K^-1 r on what is not imposed, until the residual is a share of r. K may be somewhat unsymmetric: directions are
-/// those of flexible conjugate gradients (Notay, SIAM J. Sci. Comput. 22, 1444 (2000)), each conjugate to the last one
-/// only; with a symmetric K they are the usual ones.
+/// x += K^-1 r on what is not imposed, until the residual is a share of r. K may be somewhat unsymmetric: directions
+/// are those of flexible conjugate gradients (Notay, SIAM J. Sci. Comput. 22, 1444 (2000)), each conjugate to the last
+/// one only; with a symmetric K they are the usual ones.
 /// @param difference  Forward: for a step of Newton's, which is tried. Central: throws std::runtime_error where K is
 ///                    not positive or the tolerance is not met
 void EquilibriumSensitivity::solve(Field r, Field& x, double tolerance, Difference difference) {
