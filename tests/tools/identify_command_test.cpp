@@ -214,6 +214,23 @@ TEST_CASE("Depths or forces in another unit than their header's are refused, and
   CHECK(curve.change.empty());
 }
 
+TEST_CASE("What noise does while the tool is held is no relaxation", "[identify]") {
+  const TempFolder folder;
+  const auto change = [&](double fall) {
+    std::string text = "time_s,depth_m,force_N\n";
+    for (int k = 1; k <= 48; ++k) {
+      const double depth = 1e-4 * std::min(k, 40), held = std::max(0, k - 40) / 8.0;
+      const double noise = 0.02 * std::sin(2.7 * k * k);
+      text += std::to_string(k) + "," + std::to_string(depth) + "," +
+              std::to_string(std::pow(depth / 0.004, 1.5) * (1 - fall * held) + noise) + "\n";
+    }
+    return readForceCurve(folder.write("force.csv", text)).change;
+  };
+  CHECK(change(0).empty());
+  REQUIRE_FALSE(change(0.2).empty());
+  CHECK(change(0.2).back() == Approx(-0.2).margin(0.06));
+}
+
 TEST_CASE("A curve that had not settled is doubted, and its interval reaches to what fits it then",
           "[identify][whole]") {
   const TempFolder folder;

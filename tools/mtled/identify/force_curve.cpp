@@ -86,6 +86,29 @@ ForceCurve meanOf(std::vector<Row>::const_iterator first, std::vector<Row>::cons
   return curve;
 }
 
+/// By which share the force fell from the first of some rows to the last, at one depth: of the rows themselves, or of
+/// quarters of them; 0 where noise may do as much.
+double fallOf(std::vector<Row>::const_iterator first, std::vector<Row>::const_iterator end) {
+  constexpr double chance = 3;  // standard deviations
+  const auto count = end - first;
+  if (count < 3 || !(first->force > 0)) return 0;
+  double squares = 0;  // of second differences, which a trend has no part in: of noise of variance 1 they are 6
+  for (auto row = first + 2; row != end; ++row)
+    squares += std::pow(row->force - 2 * (row - 1)->force + (row - 2)->force, 2);
+  const double noise = std::sqrt(squares / 6 / static_cast<double>(count - 2));
+  const auto mean = [](std::vector<Row>::const_iterator from, std::ptrdiff_t rows) {
+    double sum = 0;
+    for (auto row = from; row != from + rows; ++row) sum += row->force;
+    return sum / static_cast<double>(rows);
+  };
+  for (const std::ptrdiff_t rows : {std::ptrdiff_t{1}, count / 4}) {
+    if (rows == 0) continue;
+    const double fall = mean(first, rows) - mean(end - rows, rows);
+    if (std::abs(fall) > chance * noise * std::sqrt(2 / static_cast<double>(rows))) return fall / mean(first, rows);
+  }
+  return 0;
+}
+
 /// How far the force came to lie from that on the way in (MeasuredCurve::change).
 /// @param arrived  the row that ends the way in
 std::vector<double> changeOf(const ForceCurve& in, std::vector<Row>::const_iterator arrived,
@@ -93,8 +116,7 @@ std::vector<double> changeOf(const ForceCurve& in, std::vector<Row>::const_itera
   constexpr double held_share = 0.99;  // of the deepest: the tool is held
   constexpr double backlash = 0.02;    // of the deepest: less than that is no way back in
   const auto left = std::find_if(arrived, end, [&](const Row& row) { return row.depth < held_share * arrived->depth; });
-  double fall = 0;  // of the force, while the tool is held
-  if (left - arrived > 2 && arrived->force > 0) fall = 1 - (left - 1)->force / arrived->force;
+  const double fall = fallOf(arrived, left);  // while the tool is held
   auto turned = left;
   for (double highest = in.deepest(); turned != end && turned->depth < highest + backlash * in.deepest(); ++turned)
     highest = std::min(highest, turned->depth);

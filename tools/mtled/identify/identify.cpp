@@ -191,22 +191,33 @@ void widenFor(const std::vector<double>& change, const std::vector<SoughtParamet
 
 double widenForShift(const std::vector<double>& at, const std::vector<double>& measured,
                      const std::vector<SoughtParameter>& sought, Identified& found) {
-  constexpr double little = 0.3;  // of the structure
-  const Eigen::Index rows = found.r.size(), count = found.J.cols();
-  const Eigen::Map<const VectorXd> depth(at.data(), rows);
+  // Half of what follows from row to row may be the cloud's: it is told as a question, and widens the interval only.
+  constexpr double little = 0.5, most_share = 0.4;  // of the structure; of the depths' range
+  constexpr int tries = 160;
+  const Eigen::Index rows = found.r.size();
   const VectorXd simulated = Eigen::Map<const VectorXd>(measured.data(), rows) + found.r;
-  MatrixXd both(rows, count + 1);
-  both.leftCols(count) = found.J;
-  for (Eigen::Index k = 0; k < rows; ++k) {
-    const Eigen::Index a = std::max<Eigen::Index>(0, k - 1), b = std::min(rows - 1, k + 1);
-    both(k, count) = (simulated[b] - simulated[a]) / (depth[b] - depth[a]);
+  const auto forceAt = [&](double depth) {  // straight on beyond the ends, where it only pushes
+    const auto above = std::upper_bound(at.begin() + 1, at.end() - 1, depth) - at.begin();
+    const auto b = static_cast<std::size_t>(above), a = b - 1;
+    const double way = at[b] - at[a], slope = way > 0 ? (simulated[above] - simulated[above - 1]) / way : 0;
+    return std::max(0.0, simulated[above - 1] + slope * (depth - at[a]));
+  };
+  const Eigen::ColPivHouseholderQR<MatrixXd> solver(found.J);
+  VectorXd best = found.r, best_step = VectorXd::Zero(found.J.cols());
+  double best_shift = 0;
+  for (int k = -tries; k <= tries; ++k) {
+    const double shift = most_share * (at.back() - at.front()) * k / tries;
+    VectorXd r = found.r;
+    for (Eigen::Index row = 0; row < rows; ++row)
+      r[row] += forceAt(at[static_cast<std::size_t>(row)] + shift) - simulated[row];
+    const VectorXd step = solver.solve(-r);
+    r += found.J * step;
+    if (!step.allFinite() || !(r.squaredNorm() < best.squaredNorm())) continue;
+    best = r, best_step = step, best_shift = shift;
   }
-  const VectorXd step = both.colPivHouseholderQr().solve(-found.r);
-  if (!step.allFinite() || structureOf(found.r + both * step) > little * found.structure) return 0;
-  const double shift = -step[count];
-  const VectorXd change = shift * both.col(count);
-  widenFor({change.begin(), change.end()}, sought, found);
-  return shift;
+  if (best_shift == 0 || structureOf(best) > little * found.structure) return 0;
+  widenTo(best_step, sought, found);
+  return -best_shift;
 }
 
 void widenToHalves(const std::vector<SoughtParameter>& sought, Identified& found) {

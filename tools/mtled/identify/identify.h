@@ -63,7 +63,7 @@ void widenFor(const std::vector<double>& change, const std::vector<SoughtParamet
 
 /// Of a curve's residuals, simulated less measured: where depths that counted from another place than the touch leave
 /// little of what follows from row to row, widens the intervals to the values that would fit then.
-/// @param at, measured  depth, m, and force, N (row_count)
+/// @param at, measured  depth, m, ascending, and force, N (row_count)
 /// @return m, by which the depths are too large; 0: that is not it
 double widenForShift(const std::vector<double>& at, const std::vector<double>& measured,
                      const std::vector<SoughtParameter>& sought, Identified& found);
