@@ -81,9 +81,11 @@ void Session::finishFollowing() {
   const PlaceWorker& worker = loaded_.following->worker;
   const auto ticks = static_cast<double>(std::max<std::int64_t>(1, loop_->summary().ticks));
   const std::string swaps =
-      follow->swaps > 0 ? format("%lld swaps of %.0f us at most, the force jumped by %.2f %% at most, ",
-                                 asLongLong(follow->swaps), follow->longest_swap_us, 100 * follow->largest_jump_share)
-                        : "no swap, ";
+      follow->swaps > 0
+          ? format("%lld swaps of %.0f us at most, the force jumped by %.2g N at most, by %.2f %% of it at most, ",
+                   asLongLong(follow->swaps), follow->longest_swap_us, follow->largest_jump_N,
+                   100 * follow->largest_jump_share)
+          : "no swap, ";
   const std::string made = worker.madeCount() > 0 ? format("; %d places made or read, %.2f s each", worker.madeCount(),
                                                            worker.madeSeconds() / worker.madeCount())
                                                   : "";
