@@ -7,17 +7,16 @@
 namespace palpate {
 
 std::string doubledKey(const std::string& json) {
-  using Json = nlohmann::json;
   std::vector<std::set<std::string>> keys;  // of the objects that are open
   std::string doubled;
-  const Json::parser_callback_t look = [&](int, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) keys.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys.pop_back();
-    if (event == Json::parse_event_t::key && doubled.empty())
+  const nlohmann::json::parser_callback_t look = [&](int, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
+    if (event == nlohmann::json::parse_event_t::object_start) keys.emplace_back();
+    if (event == nlohmann::json::parse_event_t::object_end) keys.pop_back();
+    if (event == nlohmann::json::parse_event_t::key && doubled.empty())
       if (const auto key = parsed.get<std::string>(); !keys.back().insert(key).second) doubled = key;
     return true;
   };
-  [[maybe_unused]] const Json all = Json::parse(json, look, false);
+  [[maybe_unused]] const nlohmann::json all = nlohmann::json::parse(json, look, false);
   return doubled;
 }
 
