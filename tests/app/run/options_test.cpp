@@ -140,7 +140,6 @@ TEST_CASE("A line that can't be used is refused with exit code 2 and a message t
       {{"liver", "--soak", "5", "--seed", "-3"}, "--seed"},
       {{"liver", "kidney"}, "kidney"},
       {{"liver", "--tool", "a", "--replay", "b"}, "--replay"},
-      {{"liver", "--record", "a", "--replay", "a"}, "--record"},
       {{"liver", "--snapshot-at", "1"}, "--snapshot-at"},
       {{"liver", "--offscreen", "--seconds", "1", "--snapshot-at", "2"}, "--snapshot-at"},
       {{"liver", "--offscreen", "--snapshot-at", "1,soon"}, "--snapshot-at"},

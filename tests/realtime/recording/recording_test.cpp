@@ -219,7 +219,7 @@ TEST_CASE("What can't be asked of a model is refused in a recording, with its li
   far.position.x() = 2e6;
   refused(Request::moveTool(far), "a pose with a component beyond 1e+06");
   refused(Request::pin(vertices, Vec3::Zero()), "there is no skin vertex");
-  refused(Request::setForce(0, Vec3(0, 0, 1e30)), "beyond 1e+06");
+  refused(Request::setForce(-1, Vec3(0, 0, 1e30)), "beyond 1e+06");
   refused(Request::moveRegion(9, Vec3::Zero()), "there is no region 9");
   refused(Request::setFriction(-1), "friction must be 0 .. 2");
   refused(Request::setFriction(0.1, 1), "there is no tool 1");

@@ -193,7 +193,7 @@ double widenForShift(const std::vector<double>& at, const std::vector<double>& m
                      const std::vector<SoughtParameter>& sought, Identified& found) {
   // Half of what follows from row to row may be the cloud's: it is told as a question, and widens the interval only.
   constexpr double little = 0.5, most_share = 0.4;  // of the structure; of the depths' range
-  constexpr int tries = 160;
+  constexpr int tries = 40, passes = 3;  // to either side of the best one so far, each pass within the last one's step
   const Eigen::Index rows = found.r.size();
   const VectorXd simulated = Eigen::Map<const VectorXd>(measured.data(), rows) + found.r;
   const auto forceAt = [&](double depth) {  // straight on beyond the ends, where it only pushes
@@ -204,16 +204,19 @@ double widenForShift(const std::vector<double>& at, const std::vector<double>& m
   };
   const Eigen::ColPivHouseholderQR<MatrixXd> solver(found.J);
   VectorXd best = found.r, best_step = VectorXd::Zero(found.J.cols());
-  double best_shift = 0;
-  for (int k = -tries; k <= tries; ++k) {
-    const double shift = most_share * (at.back() - at.front()) * k / tries;
-    VectorXd r = found.r;
-    for (Eigen::Index row = 0; row < rows; ++row)
-      r[row] += forceAt(at[static_cast<std::size_t>(row)] + shift) - simulated[row];
-    const VectorXd step = solver.solve(-r);
-    r += found.J * step;
-    if (!step.allFinite() || !(r.squaredNorm() < best.squaredNorm())) continue;
-    best = r, best_step = step, best_shift = shift;
+  double best_shift = 0, reach = most_share * (at.back() - at.front());
+  for (int pass = 0; pass < passes; ++pass, reach /= tries) {
+    const double middle = best_shift;
+    for (int k = -tries; k <= tries; ++k) {
+      const double shift = middle + reach * k / tries;
+      VectorXd r = found.r;
+      for (Eigen::Index row = 0; row < rows; ++row)
+        r[row] += forceAt(at[static_cast<std::size_t>(row)] + shift) - simulated[row];
+      const VectorXd step = solver.solve(-r);
+      r += found.J * step;
+      if (!step.allFinite() || !(r.squaredNorm() < best.squaredNorm())) continue;
+      best = r, best_step = step, best_shift = shift;
+    }
   }
   if (best_shift == 0 || structureOf(best) > little * found.structure) return 0;
   widenTo(best_step, sought, found);
