@@ -195,25 +195,25 @@ double widenForShift(const std::vector<double>& at, const std::vector<double>& m
   constexpr double little = 0.5, most_share = 0.4;  // of the structure; of the depths' range
   constexpr int tries = 40, passes = 3;  // to either side of the best one so far, each pass within the last one's step
   const Eigen::Index rows = found.r.size();
-  const VectorXd simulated = Eigen::Map<const VectorXd>(measured.data(), rows) + found.r;
-  const auto forceAt = [&](double depth) {  // straight on beyond the ends, where it only pushes
-    const auto above = std::upper_bound(at.begin() + 1, at.end() - 1, depth) - at.begin();
-    const auto b = static_cast<std::size_t>(above), a = b - 1;
-    const double way = at[b] - at[a], slope = way > 0 ? (simulated[above] - simulated[above - 1]) / way : 0;
-    return std::max(0.0, simulated[above - 1] + slope * (depth - at[a]));
-  };
-  const Eigen::ColPivHouseholderQR<MatrixXd> solver(found.J);
+  const Eigen::Map<const VectorXd> force(measured.data(), rows);
+  const VectorXd simulated = force + found.r;
   VectorXd best = found.r, best_step = VectorXd::Zero(found.J.cols());
   double best_shift = 0, reach = most_share * (at.back() - at.front());
   for (int pass = 0; pass < passes; ++pass, reach /= tries) {
     const double middle = best_shift;
     for (int k = -tries; k <= tries; ++k) {
       const double shift = middle + reach * k / tries;
-      VectorXd r = found.r;
-      for (Eigen::Index row = 0; row < rows; ++row)
-        r[row] += forceAt(at[static_cast<std::size_t>(row)] + shift) - simulated[row];
-      const VectorXd step = solver.solve(-r);
-      r += found.J * step;
+      VectorXd moved(rows);
+      MatrixXd J = MatrixXd::Zero(rows, found.J.cols());
+      for (Eigen::Index row = 0; row < rows; ++row) {  // straight on beyond the ends, where it only pushes
+        const double depth = at[static_cast<std::size_t>(row)] + shift;
+        const Eigen::Index end = std::upper_bound(at.begin() + 1, at.end() - 1, depth) - at.begin();
+        const double from = at[static_cast<std::size_t>(end - 1)], way = at[static_cast<std::size_t>(end)] - from,
+                     share = way > 0 ? (depth - from) / way : 0;
+        moved[row] = std::max(0.0, (1 - share) * simulated[end - 1] + share * simulated[end]);
+        if (moved[row] > 0) J.row(row) = (1 - share) * found.J.row(end - 1) + share * found.J.row(end);
+      }
+      const VectorXd step = J.colPivHouseholderQr().solve(force - moved), r = moved + J * step - force;
       if (!step.allFinite() || !(r.squaredNorm() < best.squaredNorm())) continue;
       best = r, best_step = step, best_shift = shift;
     }
