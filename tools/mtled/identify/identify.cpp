@@ -205,17 +205,22 @@ double widenForShift(const std::vector<double>& at, const std::vector<double>& m
       const double shift = middle + reach * k / tries;
       VectorXd moved(rows);
       MatrixXd J = MatrixXd::Zero(rows, found.J.cols());
-      for (Eigen::Index row = 0; row < rows; ++row) {  // straight on beyond the ends, where it only pushes
+      Eigen::Index known = 0;                          // deeper than the deepest nothing is
+      for (Eigen::Index row = 0; row < rows; ++row) {  // straight on before the first, where it only pushes
         const double depth = at[static_cast<std::size_t>(row)] + shift;
+        if (depth > at.back()) break;
+        ++known;
         const Eigen::Index end = std::upper_bound(at.begin() + 1, at.end() - 1, depth) - at.begin();
         const double from = at[static_cast<std::size_t>(end - 1)], way = at[static_cast<std::size_t>(end)] - from,
                      share = way > 0 ? (depth - from) / way : 0;
         moved[row] = std::max(0.0, (1 - share) * simulated[end - 1] + share * simulated[end]);
         if (moved[row] > 0) J.row(row) = (1 - share) * found.J.row(end - 1) + share * found.J.row(end);
       }
-      const VectorXd step = J.colPivHouseholderQr().solve(force - moved), r = moved + J * step - force;
-      if (!step.allFinite() || !(r.squaredNorm() < best.squaredNorm())) continue;
-      best = r, best_step = step, best_shift = shift;
+      const VectorXd apart = (moved - force).head(known), step = J.topRows(known).colPivHouseholderQr().solve(-apart);
+      const VectorXd r = apart + J.topRows(known) * step;
+      const bool better =
+          r.squaredNorm() / static_cast<double>(known) < best.squaredNorm() / static_cast<double>(best.size());
+      if (step.allFinite() && better) best = r, best_step = step, best_shift = shift;
     }
   }
   if (best_shift == 0 || structureOf(best) > little * found.structure) return 0;
