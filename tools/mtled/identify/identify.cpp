@@ -216,6 +216,7 @@ double widenForShift(const std::vector<double>& at, const std::vector<double>& m
         moved[row] = std::max(0.0, (1 - share) * simulated[end - 1] + share * simulated[end]);
         if (moved[row] > 0) J.row(row) = (1 - share) * found.J.row(end - 1) + share * found.J.row(end);
       }
+      if (2 * known < rows) continue;
       const VectorXd apart = (moved - force).head(known), step = J.topRows(known).colPivHouseholderQr().solve(-apart);
       const VectorXd r = apart + J.topRows(known) * step;
       const bool better =
