@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <exception>
@@ -18,12 +19,14 @@
 #include "app/trainer/class_scores.h"
 #include "base/input_error.h"
 #include "base/interrupt.h"
+#include "base/number_text.h"
 #include "base/printable_text.h"
 #include "io/output_file.h"
 
 namespace {
 
 constexpr int failed = 1, unusable_input = 2, interrupted_run = 130;
+constexpr auto told_every = std::chrono::seconds(10);
 
 /// `palpate batch ...` is a command of mtled, which lies beside this program or, where it was built, in tools/.
 /// Returns only where there is none.
@@ -48,7 +51,14 @@ int run(const palpate::app::Options& options) {
   int code = 0;
   if (options.offscreen) {
     checkReferences(options, scene);
-    Session session(options, scene, log);
+    // Set-ups that take long say how far they are, now and then.
+    auto told = std::chrono::steady_clock::now();
+    Session session(options, scene, log, [&](const std::string& stage, double fraction) {
+      const auto now = std::chrono::steady_clock::now();
+      if (now - told < told_every) return;
+      told = now;
+      log.info("getting the tissue ready: " + stage + format(", %.0f %%", 100 * fraction));
+    });
     code = runOffscreen(session);
     failure = session.failure();
     if (!failure.empty() && code != 0) {  // it has a code of its own
