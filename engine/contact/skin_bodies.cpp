@@ -84,6 +84,21 @@ Aspect aspectOf(const SkinModel& skin, const std::vector<Vec3>& normal, int c) {
   return {axis, least > 0 ? std::sqrt(1 - least * least) : 1};
 }
 
+/// Whether no vertex of cluster a can look at one of b: for each all of b look the same way, or are behind it. Sure only
+/// where it says so.
+bool looksPast(const SkinModel& skin, const std::vector<Aspect>& aspect, int a, int b) {
+  constexpr double rounding = 1e-9;
+  const double turned = aspect[a].turned, straight = std::sqrt(1 - turned * turned),
+               alike = std::clamp(aspect[a].axis.dot(aspect[b].axis), -1.0, 1.0);
+  if (alike * straight - std::sqrt(1 - alike * alike) * turned > aspect[b].turned + rounding) return true;
+  const auto& X = skin.surface.vertices;
+  const Vec3 way = X[skin.cluster_representative[b]] - X[skin.cluster_representative[a]];
+  const double ahead = way.dot(aspect[a].axis), beside = (way - ahead * aspect[a].axis).norm(),
+               radii = (static_cast<double>(skin.cluster_radius[a]) + static_cast<double>(skin.cluster_radius[b])) *
+                       (1 + 1e-6);
+  return ahead < 0 && ahead * straight + beside * turned < -radii;
+}
+
 /// Which clusters look at each other across a gap, and how near they are.
 void addGaps(const SkinModel& skin, SkinBodies& bodies) {
   const auto &X = skin.surface.vertices, &N = bodies.normal;
@@ -94,7 +109,7 @@ void addGaps(const SkinModel& skin, SkinBodies& bodies) {
   for (int c = 0; c < skin.clusterCount(); ++c) aspect.push_back(aspectOf(skin, N, c));
   for (int a = 0; a < skin.clusterCount(); ++a)
     for (int b = a; b < skin.clusterCount(); ++b) {
-      if (!areOfOne(bodies, a, b) || distanceBetween(skin, a, b)[0] > along) continue;
+      if (looksPast(skin, aspect, a, b) || !areOfOne(bodies, a, b) || distanceBetween(skin, a, b)[0] > along) continue;
       const Vec3& centre = X[skin.cluster_representative[b]];
       const double radius = static_cast<double>(skin.cluster_radius[b]) * (1 + 1e-6);
       bool are_across = false;
