@@ -33,7 +33,8 @@ std::vector<NamedFile> outputsOf(const Options& options) {
 
 std::vector<NamedFile> resultsIn(const Options& options, const std::string& folder) {
   std::vector<NamedFile> files;
-  std::vector<std::string> names{"force.csv", "report.json", "manifest.json", "snapshot.png", "difference.png"};
+  std::vector<std::string> names{"force.csv",    "report.json",    "manifest.json",
+                                 "snapshot.png", "difference.png", "score.json"};
   for (const double time : options.snapshot_at) names.push_back(format("snapshot_%gs.png", time));
   for (const std::string& name : names) files.push_back({(std::filesystem::path(folder) / name).string(), "--out"});
   return files;
