@@ -235,6 +235,17 @@ void checkMaterials(const Scene& scene, const SurfaceTree& organ, const std::fun
   }
 }
 
+/// Kilopascals that were given as pascals.
+void checkSoftness(const Scene& scene, const std::function<void(const std::string&)>& warn) {
+  constexpr double softest = 5;  // Pa, shear modulus: vitreous humour and the softest gels have some 10
+  for (const MaterialSpec& material : scene.materials) {
+    const std::string place = material.place.text();
+    if (material.material.shear_modulus < softest)
+      warn((place.empty() ? "" : place + ": ") + "a shear modulus of " + number(material.material.shear_modulus) +
+           " Pa is softer than any organ: are the moduli in Pa?");
+  }
+}
+
 /// The scene as it is built on this organ.
 Scene readyScene(const Scene& as_read, const TriangleSurface& organ,
                  const std::function<void(const std::string&)>& warn) {
@@ -243,6 +254,7 @@ Scene readyScene(const Scene& as_read, const TriangleSurface& organ,
   Scene scene = has_points ? withPointBoundaries(as_read, SurfaceTree(organ), warn) : as_read;
   if (const std::string warning = sizeWarning(scene, organ); warn && !warning.empty()) warn(warning);
   checkTools(scene, organ, warn);
+  if (warn) checkSoftness(scene, warn);
   if (warn && std::any_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) { return !m.everywhere; }))
     checkMaterials(scene, SurfaceTree(organ), warn);
   return scene;

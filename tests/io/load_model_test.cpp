@@ -97,6 +97,13 @@ TEST_CASE("The warning of a size comes before the set-up takes time, and once", 
                   Ended);
   REQUIRE(warnings.size() == 1);
   CHECK_THAT(warnings[0], Contains("the organ is 4 m long"));
+
+  Scene soft = test::blockScene();
+  soft.materials[0].material.set("young", 3);  // kPa
+  warnings.clear();
+  loadModel(soft, {}, ModelCache(), keep);
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains("a shear modulus of 1.01 Pa is softer than any organ: are the moduli in Pa?"));
 }
 
 TEST_CASE("Tools that start at one place are refused - of one that never touches there is a warning", "[load_model]") {
