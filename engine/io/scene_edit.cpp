@@ -3,6 +3,8 @@
 #include <sstream>
 #include <vector>
 
+#include "io/toml_table.h"
+
 namespace palpate {
 namespace {
 
@@ -70,6 +72,15 @@ std::string withSceneKey(const std::string& text, const std::string& table, cons
   std::string result;
   for (const auto& line : lines) result += line + "\n";
   return result;
+}
+
+std::string withHeaders(const std::string& text, const std::string& file) {
+  toml::table document = parseToml(text, file);
+  for (auto&& [key, node] : document)
+    if (toml::table* table = node.as_table()) table->is_inline(false);
+  std::ostringstream out;
+  out << toml::toml_formatter(document) << '\n';
+  return out.str();
 }
 
 }  // namespace palpate

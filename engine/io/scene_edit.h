@@ -11,4 +11,8 @@ namespace palpate {
 std::string withSceneKey(const std::string& text, const std::string& table, const std::string& key,
                          const std::string& value);
 
+/// The same scene with a header for each of its tables, which withSceneKey needs, in place of inline ones and dotted
+/// keys. Comments are lost. Throws InputError where the text is no TOML. @param file  what errors call it
+std::string withHeaders(const std::string& text, const std::string& file);
+
 }  // namespace palpate

@@ -34,4 +34,15 @@ TEST_CASE("A key of a scene's text changes its value and nothing else", "[scene_
     CHECK(withSceneKey("[organ]\nsurface = \"a#b.obj\" # c\n", "organ", "surface", "\"d.obj\"") ==
           "[organ]\nsurface = \"d.obj\" # c\n");
   }
+  SECTION("inline tables and dotted keys get headers first") {
+    const std::string headed = palpate::withHeaders(
+        "discretization = { spacing = 0.01, seed = 3 }\ndynamics.rate = 400\n[[fixed]]\nshape = \"all\"\n", "a.toml");
+    const std::string changed =
+        withSceneKey(withSceneKey(headed, "discretization", "spacing", "0.02"), "dynamics", "threads", "2");
+    const auto has = [&](const char* part) { return changed.find(part) != std::string::npos; };
+    CAPTURE(changed);
+    CHECK(has("[discretization]\nseed = 3\nspacing = 0.02\n"));
+    CHECK(has("[dynamics]\nrate = 400\nthreads = 2\n"));
+    CHECK(has("[[fixed]]\nshape = 'all'\n"));
+  }
 }

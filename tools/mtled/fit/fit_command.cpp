@@ -37,10 +37,8 @@ double writtenSpacing(const Scene& fitted) {
   return fitted.discretization.follow ? fineSpacing(fitted) : fitted.discretization.spacing;
 }
 
-/// The scene file with what was fitted, its paths made to fit the new place. Throws InputError where the file's layout
-/// hides a key from the editor.
-std::string fittedText(const std::string& scene_file, const Scene& given, const Scene& fitted, const std::string& to) {
-  std::string text = readWholeFile(scene_file);
+/// A scene file's text with what was fitted, its paths made to fit the new place.
+std::string fittedText(std::string text, const Scene& given, const Scene& fitted, const std::string& to) {
   const auto folder = std::filesystem::absolute(to).parent_path();
   const auto pathFrom = [&](const std::string& path) {
     std::string value = "\"";
@@ -107,6 +105,29 @@ struct FitOrder {
   std::optional<ToolScript> script;
 };
 
+Scene sceneIn(const std::string& text, const std::string& to) {
+  return readScene(SceneText{text, std::filesystem::absolute(to).parent_path().string(), to});
+}
+
+/// The scene file to be written, which can be read. Throws InputError where there is none.
+std::string textFor(const FitOrder& order, const Scene& fitted) {
+  const std::string text = readWholeFile(order.scene_file);
+  try {
+    const std::string edited = fittedText(text, order.given, fitted, order.out);
+    sceneIn(edited, order.out);
+    return edited;
+  } catch (const InputError&) {  // tables without headers
+  }
+  try {
+    const std::string edited = fittedText(withHeaders(text, order.scene_file), order.given, fitted, order.out);
+    sceneIn(edited, order.out);
+    return edited;
+  } catch (const InputError& error) {
+    throw InputError({order.scene_file}, std::string("no fitted scene can be written from it: ") + error.what(),
+                     "where it names files, write beside it, with --out");
+  }
+}
+
 FitOrder orderOf(const FitOptions& options) {
   FitOrder order;
   order.scene_file = findScene(options.scene);
@@ -129,6 +150,7 @@ FitOrder orderOf(const FitOptions& options) {
                                   : options.out;
   if (std::filesystem::exists(order.out) && std::filesystem::equivalent(order.out, order.scene_file))
     throw InputError({order.out}, "this is the scene itself", "give another --out");
+  textFor(order, order.scene);  // what can't be written is told before the search
   order.stem = std::filesystem::path(order.out).replace_extension().string();
   makeFolder(std::filesystem::absolute(order.out).parent_path().string());
   return order;
@@ -307,11 +329,12 @@ int fit(const FitOptions& options) {
   }
   progress.show(1, "done");
 
-  writeWholeFile(order.out, fittedText(order.scene_file, order.given, chosen.scene, order.out));
-  if (!says(readScene(order.out), chosen.scene))
+  const std::string text = textFor(order, chosen.scene);
+  if (!says(sceneIn(text, order.out), chosen.scene))
     throw InputError({order.out}, "this scene file's layout keeps `mtled fit` from changing it",
                      "write spacing, support_factor, points_per_cell and cells_per_point into a [discretization] "
                      "table, rate, time_step and threads into [dynamics]");
+  writeWholeFile(order.out, text);
   const Fitted fitted{order, chosen, candidates, held, converged.about.nodes};
   printFitted(fitted);
   if (!options.json.empty()) writeWholeFile(options.json, jsonOf(fitted));
