@@ -131,9 +131,14 @@ double coarserBy(const Scene& scene) {
 
 /// Physics time in which the tool is pressed in, s. Tissue that relaxes is pressed in as fast as the measured was;
 /// other tissue no slower than its own swinging asks for.
-double pressSeconds(const MeasuredCurve& measured, bool relaxing) {
+double pressSeconds(const MeasuredCurve& measured, bool relaxing, const std::string& file) {
   constexpr double slow = 2, fastest = 0.1, slowest = 100;
   if (measured.seconds <= 0) return slow;
+  if (relaxing && measured.seconds > slowest)
+    throw InputError({file},
+                     format("the press took %.4g s, and at most %g s are simulated of tissue that relaxes",
+                            measured.seconds, slowest),
+                     "are the times of time_s in s? --seconds says how long it took");
   return std::clamp(measured.seconds, fastest, relaxing ? slowest : slow);
 }
 
@@ -241,7 +246,7 @@ int identifyCommand(const IdentifyOptions& options) {
   const bool relaxing = std::any_of(scene.materials.begin(), scene.materials.end(),
                                     [](const MaterialSpec& m) { return m.material.relaxation_count > 0; });
   const Press press{file, "material[" + std::to_string(options.material) + "]", measured.deepest(),
-                    options.seconds > 0 ? options.seconds : pressSeconds(measured, relaxing),
+                    options.seconds > 0 ? options.seconds : pressSeconds(measured, relaxing, options.measured),
                     threadsOr(options.threads)};
   const std::string folder =
       options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() + "_identify" : options.out;
@@ -256,9 +261,9 @@ int identifyCommand(const IdentifyOptions& options) {
   if (const std::string doubt = doubtOfScene(pressed.lastCurve().trust); !doubt.empty())
     remarks.doubts.push_back(doubt);
   if (relaxing && !in_time)
-    remarks.notes.push_back(
+    remarks.doubts.push_back(
         format("the scene's tissue relaxes, and the file has no times (time_s): it was pressed in "
-               "%g s; --seconds says otherwise",
+               "%g s, which the interval takes for true; --seconds says how long it took",
                press.seconds));
   const double largest = *std::max_element(measured.force.begin(), measured.force.end());
   nlohmann::ordered_json report{{"program", buildInfo()},
