@@ -84,8 +84,8 @@ Aspect aspectOf(const SkinModel& skin, const std::vector<Vec3>& normal, int c) {
   return {axis, least > 0 ? std::sqrt(1 - least * least) : 1};
 }
 
-/// Whether no vertex of cluster a can look at one of b: for each all of b look the same way, or are behind it. Sure only
-/// where it says so.
+/// Whether no vertex of cluster a can look at one of b: for each all of b look the same way, or are behind it. Where it
+/// says no, some may all the same not.
 bool looksPast(const SkinModel& skin, const std::vector<Aspect>& aspect, int a, int b) {
   constexpr double rounding = 1e-9;
   const double turned = aspect[a].turned, straight = std::sqrt(1 - turned * turned),
