@@ -24,7 +24,8 @@ struct Refusal : std::runtime_error {
   std::int32_t code;
 };
 
-/// Keeps why a call of this thread is not done, for palpate_last_error(). No allocation. @return code
+/// Keeps why a call of this thread is not done, for palpate_last_error(). Allocates at most the first time in a thread,
+/// where the system gives it its memory. @return code
 std::int32_t refuse(std::int32_t code, const char* why, ...) __attribute__((format(printf, 2, 3)));
 
 // What is wrong with an argument, kept likewise; PALPATE_OK: nothing.
@@ -78,7 +79,7 @@ std::int32_t fill(T* out, T value) {
 }
 
 inline std::int32_t say(palpate_error* error, std::int32_t code, const char* text) {
-  if (code != PALPATE_OK && text != palpate_last_error()) refuse(code, "%s", text);
+  if (code != PALPATE_OK && text != palpate_last_error()) refuse(code, "%s", text);  // else it is kept already
   if (error == nullptr) return code;
   palpate_error whole{};
   whole.code = code;

@@ -395,7 +395,8 @@ void EquilibriumSensitivity::differentiateForce(const MaterialNumber& number, Fi
   std::vector<double> values(present.begin(), present.end());
   double& value = values[static_cast<std::size_t>(number.entry)];
   const double middle = value;
-  // Five points, so that even Poisson's ratio near 1/2 has no curvature over them; near, because of such kinks.
+  // Five points, so that even Poisson's ratio near 1/2 has no curvature over them. A hundred times as far they pass
+  // kinks, too: 0.7 % of a derivative by Poisson's ratio 0.49 of layer_sphere at 3 mm.
   constexpr double share = 1e-6, share_of_way = 0.05;
   const double way = std::min(middle - parameter.range.low, parameter.range.high - middle);
   const double h = std::min(share * std::abs(middle), share_of_way * way);

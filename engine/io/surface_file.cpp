@@ -56,7 +56,12 @@ void leaveOutUnreadable(SurfaceFile& file) {
     const bool readable = std::all_of(triangles[t].begin(), triangles[t].end(), [&](int v) {
       return v >= 0 && static_cast<std::size_t>(v) < good.size() && good[static_cast<std::size_t>(v)];
     });
-    if (!readable) continue;
+    if (!readable) {
+      if (file.unreadable.empty() && !file.source.triangle_line.empty())
+        file.unreadable =
+            SourceLocation{file.source.file, file.source.triangle_line[t]}.text() + ": a face without proper vertices";
+      continue;
+    }
     triangles[kept] = triangles[t];
     if (!file.source.triangle_line.empty()) file.source.triangle_line[kept] = file.source.triangle_line[t];
     ++kept;

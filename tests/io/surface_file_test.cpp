@@ -211,6 +211,9 @@ TEST_CASE("A tolerant reader takes what can be read, and counts the rest", "[io]
   CHECK(file.surface.triangles.size() + static_cast<std::size_t>(file.unreadable_faces) == 12 + 3);
   CHECK(file.surface.vertices.size() == 7);
   CHECK_THAT(file.unreadable, Contains("cube.obj:") && Contains("\"nan\""));
+  CHECK_THAT(
+      surfaceFrom(replaced(cube_obj, "usemtl red\n", "f 1 2 99\n"), "cube.obj", 1, SurfaceReading::Tolerant).unreadable,
+      Contains("cube.obj:") && Contains("a face without proper vertices"));
   const std::string binary = binaryStl(boxSurface({1, 1, 1}, 1));
   const SurfaceFile cut = surfaceFrom(binary.substr(0, binary.size() - 70), "a.stl", 1, SurfaceReading::Tolerant);
   CHECK(cut.unreadable_faces == 2);

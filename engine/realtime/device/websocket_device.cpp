@@ -21,6 +21,8 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// Of a person who has just started both; of the device's thread, for the whole of a handshake: its end waits no longer.
+/// No hand notices a try each second, and no service is burdened.
 constexpr std::int64_t first_patience_ms = 2000, patience_ms = 200, try_again_ns = 1'000'000'000;
 
 WebsocketAddress parsed(const std::string& text) {
@@ -72,7 +74,7 @@ void WebsocketDevice::connect(std::int64_t wait_ms) {
   unsent_.clear();
   device_.clear();
   try {
-    shakeHands();
+    shakeHands(std::chrono::steady_clock::now() + std::chrono::milliseconds(wait_ms));
   } catch (...) {
     close();
     throw;
@@ -89,7 +91,7 @@ void WebsocketDevice::close() {
   socket_ = -1;
 }
 
-void WebsocketDevice::shakeHands() {
+void WebsocketDevice::shakeHands(std::chrono::steady_clock::time_point deadline) {
   const std::string key = "cGFscGF0ZS1kZXZpY2UtMQ==";  // 16 bytes; a client on the loopback has nothing to hide
   const std::string request = "GET " + address_.path + " HTTP/1.1\r\nHost: " + address_.host + ":" +
                               std::to_string(address_.port) +
@@ -104,7 +106,8 @@ void WebsocketDevice::shakeHands() {
   while ((end = answer.find("\r\n\r\n")) == std::string::npos) {
     char bytes[512];
     const ssize_t count = ::recv(socket_, bytes, sizeof bytes, 0);
-    if (count <= 0 || answer.size() > 16384) throw failed("did not answer as a WebSocket does");
+    if (count <= 0 || answer.size() > 16384 || std::chrono::steady_clock::now() > deadline)
+      throw failed("did not answer as a WebSocket does");
     answer.append(bytes, static_cast<std::size_t>(count));
   }
   const std::string head = answer.substr(0, end + 2), small = lowerCase(head);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 
 #include "realtime/device/device_backend.h"
@@ -43,7 +44,7 @@ class WebsocketDevice final : public DeviceBackend {
 
  private:
   void connect(std::int64_t patience_ms);
-  void shakeHands();
+  void shakeHands(std::chrono::steady_clock::time_point deadline);
   void receive();
   bool takeState(const std::string& text, DevicePose& pose);
   void send(const WebsocketFrame& frame);

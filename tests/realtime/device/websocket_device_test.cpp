@@ -208,6 +208,29 @@ TEST_CASE("A service that goes away is answered, known to be gone, and found whe
   CHECK(service.commands.size() == 1);
 }
 
+TEST_CASE("A service that answers letter by letter is waited for no longer than one that is silent", "[device]") {
+  const int listener = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  REQUIRE(::bind(listener, reinterpret_cast<sockaddr*>(&address), size) == 0);
+  REQUIRE(::listen(listener, 1) == 0);
+  REQUIRE(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  int letters = 0;
+  std::thread service([&] {
+    const int client = ::accept(listener, nullptr, nullptr);
+    for (; letters < 16384 && ::send(client, "H", 1, MSG_NOSIGNAL) == 1; ++letters)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    ::close(client);
+  });
+  CHECK_THROWS_WITH(WebsocketDevice("ws://127.0.0.1:" + std::to_string(ntohs(address.sin_port))),
+                    Contains("did not answer as a WebSocket does"));
+  service.join();
+  ::close(listener);
+  CHECK(letters < 2000);  // of two seconds some 400; without an end of them all
+}
+
 TEST_CASE("What does not become a WebSocket is told", "[device]") {
   FakeService service(false);
   CHECK_THROWS_WITH(WebsocketDevice(service.url), Contains("did not become a WebSocket"));
