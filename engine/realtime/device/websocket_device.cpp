@@ -21,8 +21,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Of a person who has just started both; of the device's thread, for the whole of a handshake: its end waits no longer.
-/// No hand notices a try each second, and no service is burdened.
+/// Of a person who has just started both; of the device's thread, for the whole of a handshake: its end waits no
+/// longer. No hand notices a try each second, and no service is burdened.
 constexpr std::int64_t first_patience_ms = 2000, patience_ms = 200, try_again_ns = 1'000'000'000;
 
 WebsocketAddress parsed(const std::string& text) {
