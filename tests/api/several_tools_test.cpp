@@ -141,7 +141,7 @@ TEST_CASE("A scene with one tool is read by its number, too", "[api][several_too
 }
 
 TEST_CASE("A script that closes jaws hands out their openings, and one of a tool without jaws none",
-          "[api][several_tools]") {
+          "[api][several_tools][whole]") {
   const auto load = [](const char* scene) {
     palpate_model* model = nullptr;
     REQUIRE(palpate_load(scene, nullptr, &model, nullptr) == PALPATE_OK);

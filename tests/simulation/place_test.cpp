@@ -342,7 +342,7 @@ TEST_CASE("A press goes on from place to place - with values for parameters it j
   CHECK(worst < 0.02);
 }
 
-TEST_CASE("Of tools of several sizes each has a ball of its own spacing", "[place]") {
+TEST_CASE("Of tools of several sizes each has a ball of its own spacing", "[place][whole]") {
   Scene scene = test::barScene();
   const double large = scene.tools[0].shape.radius, small = large / 2;
   scene.tools.push_back(scene.tools[0]);

@@ -314,7 +314,7 @@ TEST_CASE("A ball with finer nodes below lies on a plate with all of its skin", 
   CHECK(pressed.rigid[0].max_penetration == Approx(deepest).margin(1e-5));
 }
 
-TEST_CASE("A sheet between a tool and a floor is held by both, whatever the time step", "[simulation][rigid]") {
+TEST_CASE("A sheet between a tool and a floor is held by both, whatever the time step", "[simulation][rigid][whole]") {
   Scene scene = lyingScene(0.5);
   scene.organs[0].size.z() = 0.006;
   scene.discretization.spacing = 0.005;

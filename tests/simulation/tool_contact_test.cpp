@@ -33,7 +33,7 @@ double pressedForce(const Scene& scene, double depth, const Material* live = nul
 }  // namespace
 
 TEST_CASE("What is soft elsewhere, and a tool that is small, are not felt through the contact's layer",
-          "[tool_contact]") {
+          "[tool_contact][whole]") {
   Scene scene = test::blockScene(0.006);
   scene.materials[0].material.set("young", 1e5);
   const double alone = pressedForce(scene, 0.001);

@@ -414,7 +414,7 @@ TEST_CASE("A search's recording brings marks and answers: a replay scores the sa
   CHECK_THAT(changed.conditions.changes[0], Catch::Contains("friction is now 0.9"));
 }
 
-TEST_CASE("Off-screen, too, nothing shows a search's inside - --answers shows it without a search", "[session]") {
+TEST_CASE("Off-screen, too, nothing shows a search's inside - --answers shows it without a search", "[session][whole]") {
   const TempFolder folder;
   Options options;
   options.offscreen = true;

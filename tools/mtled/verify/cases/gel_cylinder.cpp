@@ -146,7 +146,7 @@ std::vector<GelRow> gelRows(bool quick) {
       {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[0], 3.4e-3, 4, false},
       {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[1], 3.4e-3, 4, false},
       {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[2], 3.4e-3, 4, false},
-      {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[3], 3.4e-3, 4, true},
+      {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[3], 3.4e-3, 4, false},
       {"the same, 0.5 mm at its rim", 2.5e-3, 1.0e-3, 0.5e-3, variants[3], 3.4e-3, 4, false},
       {"the same, 0.18 mm at its rim", 2.5e-3, 1.0e-3, 0.18e-3, variants[3], 3.4e-3, 4, false}};
   std::vector<GelRow> rows;
