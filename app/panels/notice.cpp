@@ -18,7 +18,8 @@ std::optional<Notice> noticeOf(const LogEvent& event) {
   else if (event.kind == Kind::DeepContact)
     notice.sentence = "The probe has sunk into the skin, and the force is too low here. Press less hard.";
   else if (event.kind == Kind::ContactOverflow)
-    notice.sentence = "The probe touches more skin than can be counted. Use a smaller probe.";
+    notice.sentence =
+        "More skin touches than can be counted, and part of it is left out. Use a smaller probe, or press less.";
   else if (event.kind == Kind::MaterialRefused)
     notice.sentence = "The tissue can't be made that stiff while it runs. Change it in the scene file.";
   else

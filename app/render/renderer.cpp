@@ -95,6 +95,7 @@ struct Renderer::Parts {
   /// Calls draw(body, world_from_rest) for each that is drawn.
   template <class Draw>
   void forEachRigid(const Snapshot& snapshot, Draw draw) const;
+  void drawRigid(const Snapshot& snapshot, const Camera& camera, float opacity) const;
   void drawGhost(const Snapshot& snapshot) const;
   template <class Draw>
   void forEachTool(const Snapshot& snapshot, Draw draw) const;
@@ -115,7 +116,8 @@ struct Renderer::Parts {
   struct Rigid {
     RigidBody body;  // its motion
     std::unique_ptr<MeshBuffers> mesh;
-    bool below = false;  // the organ: the ground lies under it
+    Eigen::AlignedBox3d box;  // m, at rest
+    bool below = false;       // the organ: the ground lies under it
   };
   std::vector<Rigid> rigid;
   ShadowMap shadow_map;
@@ -144,6 +146,18 @@ void fillColours(GLuint texture, ColourMap map) {
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
     glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
   glBindTexture(GL_TEXTURE_2D, 0);
+}
+
+/// Whether a box stands anywhere between two places.
+bool meets(const Eigen::AlignedBox3d& box, const Vec3& from, const Vec3& to) {
+  const Vec3 way = to - from;
+  double enters = 0, leaves = 1;
+  for (int a = 0; a < 3; ++a) {
+    const double at_min = (box.min()[a] - from[a]) / way[a], at_max = (box.max()[a] - from[a]) / way[a];
+    enters = std::max(enters, std::min(at_min, at_max));
+    leaves = std::min(leaves, std::max(at_min, at_max));
+  }
+  return enters < leaves;
 }
 
 /// A lump, as tool.frag shades it.
@@ -201,14 +215,14 @@ void Renderer::Parts::addRigidBodies() {
   for (const RigidSpec& spec : model.scene.rigid) {
     const SolidMesh mesh = rigidMesh(spec, rest.centre, rest.radius);
     if (mesh.vertices.empty()) continue;
-    Eigen::AlignedBox3f box;
-    for (const SolidVertex& v : mesh.vertices) box.extend(v.position);
     Rigid& drawn = rigid.emplace_back();
+    Eigen::AlignedBox3d& box = drawn.box;
+    for (const SolidVertex& v : mesh.vertices) box.extend(v.position.cast<double>());
     drawn.body.motion = spec.motion;
     drawn.mesh = std::make_unique<MeshBuffers>(mesh);
     constexpr double sunk = 0.05;  // of the organ's radius, that it may lie in its hollows
-    drawn.below = static_cast<double>(box.max().z()) < lowest + sunk * rest.radius;
-    if (drawn.below) rest.ground.z() = std::min(rest.ground.z(), static_cast<double>(box.min().z()));
+    drawn.below = box.max().z() < lowest + sunk * rest.radius;
+    if (drawn.below) rest.ground.z() = std::min(rest.ground.z(), box.min().z());
   }
   extent = rest;
 }
@@ -216,7 +230,7 @@ void Renderer::Parts::addRigidBodies() {
 template <class Draw>
 void Renderer::Parts::forEachRigid(const Snapshot& snapshot, Draw draw) const {
   const double time = static_cast<double>(snapshot.tick) / model.scene.dynamics.rate_hz;
-  for (const Rigid& body : rigid) draw(body, worldFrom(body.body.at(time)));
+  for (const Rigid& body : rigid) draw(body, body.body.at(time));
 }
 
 void Renderer::Parts::fillFrame(const Snapshot& snapshot, const View& view, int width, int height) {
@@ -247,9 +261,9 @@ void Renderer::Parts::fillFrame(const Snapshot& snapshot, const View& view, int 
 void Renderer::Parts::drawShadows(const Snapshot& snapshot, const View& view) {
   bool on_ground = false;  // what lies below the organ casts no shade on the ground, or it would on itself
   const DrawCasters casters = [&](GLint clip_from_local, const Eigen::Matrix4f& clip_from_world) {
-    forEachRigid(snapshot, [&](const Rigid& body, const Eigen::Matrix4f& place) {
+    forEachRigid(snapshot, [&](const Rigid& body, const Pose& pose) {
       if (on_ground && body.below) return;
-      const Eigen::Matrix4f clip_from_rest = clip_from_world * place;
+      const Eigen::Matrix4f clip_from_rest = clip_from_world * worldFrom(pose);
       glUniformMatrix4fv(clip_from_local, 1, GL_FALSE, clip_from_rest.data());
       body.mesh->draw();
     });
@@ -284,12 +298,7 @@ void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
   glEnable(GL_CULL_FACE);
   if (!view.ghost) drawSkin(1);
   drawBalls(view);
-  forEachRigid(snapshot, [&](const Rigid& body, const Eigen::Matrix4f& place) {
-    tool_program.use();
-    glUniform1f(tool_opacity, 1);
-    glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
-    body.mesh->draw();
-  });
+  drawRigid(snapshot, view.camera, 1);
   if (view.show_tool) {
     tool_program.use();
     glUniform1f(tool_opacity, 1);
@@ -299,20 +308,36 @@ void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
       mesh.draw();
     });
   }
-  if (!view.show_room) {
-    if (view.ghost) drawSkin(ghost_skin_opacity);
+  if (view.show_room) {
+    glBindVertexArray(no_vertices);
+    ground_program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3 * 64);
     glDisable(GL_CULL_FACE);
     glDepthFunc(GL_LEQUAL);
-    return;
+    backdrop_program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
   }
-  glBindVertexArray(no_vertices);
-  ground_program.use();
-  glDrawArrays(GL_TRIANGLES, 0, 3 * 64);
+  if (view.ghost) drawSkin(ghost_skin_opacity);
+  drawRigid(snapshot, view.camera, ghost_opacity);
   glDisable(GL_CULL_FACE);
   glDepthFunc(GL_LEQUAL);
-  backdrop_program.use();
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  if (view.ghost) drawSkin(ghost_skin_opacity);
+}
+
+/// @param opacity  1: those that do not stand before the organ's middle; less: those that do, over all else
+void Renderer::Parts::drawRigid(const Snapshot& snapshot, const Camera& camera, float opacity) const {
+  tool_program.use();
+  glUniform1f(tool_opacity, opacity);
+  glEnable(GL_CULL_FACE);
+  if (opacity < 1) glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  forEachRigid(snapshot, [&](const Rigid& body, const Pose& pose) {
+    const bool covers = meets(body.box, pose.toLocal(camera.eye()), pose.toLocal(rest.centre));
+    if (covers != (opacity < 1)) return;
+    const Eigen::Matrix4f place = worldFrom(pose);
+    glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
+    body.mesh->draw();
+  });
+  glDisable(GL_BLEND);
 }
 
 /// @param opacity  1, or less: over all that is drawn before, its near side only

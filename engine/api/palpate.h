@@ -121,7 +121,7 @@ typedef struct palpate_state {
   double torque[3];         /* N m, on the tool about its tip, as computed */
   double normal[3];         /* unit, from the tissue towards the tool; 0: no contact */
   double stiffness;         /* N/m, of late, force over travel along the normal (50 ms); 0: not known */
-  double depth_m;           /* how far the tool's foremost point along the contact's normal is beyond where the skin
+  double depth_m;           /* how far the tool's foremost point along the skin's normal is beyond where the skin
                                lay at rest there; on a slope that is more than its tip. Negative: the gap */
   double advance_m;         /* travel along the tool's first axis past first touch, or past the start where the tool
                                meets no skin that way */

@@ -54,8 +54,8 @@ struct SurfaceSide {
                                             // outside
   std::function<bool(const Vec3&)> open{};  // whether there is no surface at a place (m); none: it is closed
 };
-/// @param spacing  m, of the nodes, by which the grid is made
-GapGrid gapGrid(const SurfaceTree& surface, const SurfaceSide& side, double spacing);
+/// @param spacing  m, of the nodes: its grid has a cell of a third of it, or less where the surface is round
+RigidShape surfaceShape(const SurfaceTree& surface, const SurfaceSide& side, double spacing);
 
 /// Adds a body, of which only the points are missing.
 /// @param spacing      m, of the nodes

@@ -22,7 +22,7 @@ struct RigidShape {
   Vec3 point = Vec3::Zero();    // m; HalfSpace: of its plane; Box, Sphere: its centre; Cylinder: the middle of its base
   Vec3 normal = Vec3::UnitZ();  // unit; HalfSpace: out of it; Cylinder: its axis, from the base up
   Vec3 half = Vec3::Zero();     // m; Box: half of its edges
-  double radius = 0;            // m; Sphere, Cylinder
+  double radius = 0;            // m; Sphere, Cylinder; Surface: of a ball as round (meanRadius)
   double height = 0;            // m; Cylinder
   GapGrid grid;                 // Surface
 

@@ -558,14 +558,11 @@ SkinContactState makeSkinContactState(const SkinBodies& bodies) {
 
 namespace {
 
-/// Pairs at most: as many as a tool may have.
-constexpr std::size_t most_pairs = 4096;
+/// Of one body's vertices, which may touch the body itself at once. (Of several bodies all may: sheets in a pile.)
+constexpr double most_folded = 0.25;
 
-std::size_t longestRow(const SkinModel& skin) {
-  int longest = 0;
-  for (int v = 0; v < skin.vertexCount(); ++v) longest = std::max(longest, skin.begin[v + 1] - skin.begin[v]);
-  return static_cast<std::size_t>(longest);
-}
+/// Of a vertex's row, a pair's: that of the vertex and those of a face beside it have most of their nodes in common.
+constexpr double pair_length = 2.5;
 
 }  // namespace
 
@@ -589,11 +586,12 @@ SkinContactScratch::SkinContactScratch(const SkinBodies& bodies, const SkinModel
   std::array<std::array<float, 16>, 6> far_away{};
   far_away[0].fill(1e9F);
   block.assign(static_cast<std::size_t>(block_begin.back()), far_away);
-  const std::size_t rows = std::min(capacity, most_pairs), longest = 4 * longestRow(skin);
-  row.resize(rows);
-  active.resize(rows);
-  node.resize(rows * longest);
-  N.resize(rows * longest);
+  const double share = bodies.several() ? 1 : most_folded,
+               entries = bodies.body.empty() ? 0 : static_cast<double>(skin.node.size());
+  row.resize(static_cast<std::size_t>(share * static_cast<double>(capacity)));
+  active.resize(row.size());
+  node.resize(static_cast<std::size_t>(share * pair_length * entries));
+  N.resize(node.size());
 }
 
 namespace {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "discretization/surface/surface_geometry.h"
+
 namespace palpate {
 namespace {
 
@@ -12,30 +14,34 @@ namespace {
 /// vertices that come and go moved the depth to and fro by half a millimetre in a press of 7.
 constexpr double kUnderTheTip = 0.1;
 
-/// Calls use(force on the tissue, outward normal of the tool in its frame, rest position) for all that touches.
+/// Calls use(force on the tissue, outward normal of the tool in its frame, point of the skin) for all that touches.
 template <class Use>
-void forEachTouched(const SkinModel& skin, const ContactState& contact, const Use& use) {
+void forEachTouched(const ContactState& contact, const Use& use) {
   for (int c = 0; c < contact.count; ++c) {
     const auto k = static_cast<std::size_t>(c);
     const double f = toVec3(contact.force[k]).norm();
-    if (f > 0) use(f, contact.normal[k], skin.surface.vertices[static_cast<std::size_t>(contact.vertex[k])]);
+    if (f > 0) use(f, contact.normal[k], SkinPoint{1, {contact.vertex[k]}, {1}});
   }
   const FaceSamples& samples = contact.samples;
   for (int c = 0; c < samples.count; ++c) {
     const auto k = static_cast<std::size_t>(c);
     const double f = toVec3(samples.force[k]).norm();
-    if (!(f > 0)) continue;
-    const SkinPoint& point = samples.point[k];
-    Vec3 X = Vec3::Zero();
-    for (std::size_t a = 0; a < static_cast<std::size_t>(point.corners); ++a)
-      X += static_cast<double>(point.share[a]) * skin.surface.vertices[static_cast<std::size_t>(point.vertex[a])];
-    use(f, samples.normal[k], X);
+    if (f > 0) use(f, samples.normal[k], samples.point[k]);
   }
+}
+
+/// The skin's normal at rest while it is within 26 degrees of the contact's; from 37 on the tissue has turned.
+/// @param at_rest, of_contact  unit
+Vec3 normalOf(const Vec3& at_rest, const Vec3& of_contact) {
+  const double turned = (1 - kUnderTheTip - at_rest.dot(of_contact)) / kUnderTheTip;
+  return (at_rest + std::clamp(turned, 0.0, 1.0) * (of_contact - at_rest)).normalized();
 }
 
 }  // namespace
 
-TrueDepth::TrueDepth(const SkinModel& skin, const ToolShape& tool) : skin_(skin), profile_(toolProfile(tool)) {}
+TrueDepth::TrueDepth(const SkinModel& skin, const ToolShape& tool) : skin_(skin), profile_(toolProfile(tool)) {
+  for (const Vec3& outwards : vertexNormals(skin.surface)) inwards_.push_back(-outwards.cast<float>());
+}
 
 /// How far the tool reaches along a unit direction of its frame, m from its tip.
 double TrueDepth::support(const Vec3& direction) const {
@@ -50,23 +56,30 @@ double TrueDepth::support(const Vec3& direction) const {
 
 double TrueDepth::of(const Pose& tool, const ContactState& contact) const {
   Vec3 sum = Vec3::Zero();  // tool's frame
-  forEachTouched(skin_, contact, [&](double f, const Vec3f& normal, const Vec3&) { sum += f * normal.cast<double>(); });
-  const double size = sum.norm();
-  if (!(size > 0)) return -gap(tool);
-  const Vec3 local = sum / size, n = tool.orientation * local;
+  forEachTouched(contact, [&](double f, const Vec3f& normal, const SkinPoint&) { sum += f * normal.cast<double>(); });
+  if (!(sum.norm() > 0)) return -gap(tool);
+  const Vec3 push = sum.normalized();
 
   // The best aligned first: a tool that touches around its foremost point, as a hollow one would, has none there.
   double best = -1;
-  forEachTouched(skin_, contact, [&](double, const Vec3f& normal, const Vec3&) {
-    best = std::max(best, local.dot(normal.cast<double>()));
+  forEachTouched(contact, [&](double, const Vec3f& normal, const SkinPoint&) {
+    best = std::max(best, push.dot(normal.cast<double>()));
   });
-  double weight = 0, rest = 0;
-  forEachTouched(skin_, contact, [&](double f, const Vec3f& normal, const Vec3& X) {
-    const double w = f * std::max(0.0, local.dot(normal.cast<double>()) - best + kUnderTheTip);
+  double weight = 0;
+  Vec3 rest = Vec3::Zero(), at_rest = Vec3::Zero();
+  forEachTouched(contact, [&](double f, const Vec3f& normal, const SkinPoint& point) {
+    const double w = f * std::max(0.0, push.dot(normal.cast<double>()) - best + kUnderTheTip);
     weight += w;
-    rest += w * (X - tool.position).dot(n);
+    for (std::size_t a = 0; a < static_cast<std::size_t>(point.corners); ++a) {
+      const auto v = static_cast<std::size_t>(point.vertex[a]);
+      const double share = w * static_cast<double>(point.share[a]);
+      rest += share * (skin_.surface.vertices[v] - tool.position);
+      at_rest += share * inwards_[v].cast<double>();
+    }
   });
-  return weight > 0 ? support(local) - rest / weight : 0;
+  if (!(weight > 0)) return 0;
+  const Vec3 n = normalOf(at_rest.normalized(), tool.orientation * push);
+  return support(tool.orientation.conjugate() * n) - rest.dot(n) / weight;
 }
 
 /// Clusters and regions that can't hold a nearer vertex are passed over.

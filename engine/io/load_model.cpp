@@ -185,12 +185,17 @@ struct Stages {
   const Progress report;
 };
 
+bool givesTools(const Scene& scene) {
+  return std::any_of(scene.places.begin(), scene.places.end(),
+                     [](const auto& place) { return place.first.rfind("tool", 0) == 0; });
+}
+
 /// What can't be meant of the tools, or is hardly meant.
 void checkTools(const Scene& scene, const TriangleSurface& organ, const std::function<void(const std::string&)>& warn) {
-  constexpr double same = 1e-6;  // m
+  constexpr double same = 1e-6;   // m
+  constexpr double far_off = 10;  // of the organ's size
   const std::vector<ToolSpec>& tools = scene.tools;
-  const bool has_tool = std::any_of(scene.places.begin(), scene.places.end(),
-                                    [](const auto& place) { return place.first.rfind("tool", 0) == 0; });
+  const bool has_tool = givesTools(scene);
   for (std::size_t t = 0; t < tools.size(); ++t) {
     const ToolSpec& tool = tools[t];
     for (std::size_t other = 0; other < t; ++other)
@@ -201,10 +206,14 @@ void checkTools(const Scene& scene, const TriangleSurface& organ, const std::fun
     if (tool.jaws() && tool.friction == 0)
       warn(tool.place.text() + ": jaws without friction hold nothing; give them friction = 0.8");
     const Pose start{tool.position, Quat::FromTwoVectors(-Vec3::UnitZ(), tool.direction)};
-    if (has_tool && !tool.jaws() && std::isinf(firstContactTravel(organ, tool.shape, start)))
+    if (!has_tool || tool.jaws()) continue;
+    const double travel = firstContactTravel(organ, tool.shape, start);
+    if (std::isinf(travel))
       warn(tool.place.text() +
            ": straight on the tool never touches the organ; put its position before it, and let its direction point "
            "at it");
+    else if (travel > far_off * boundingBox(organ).diagonal().norm())
+      warn(tool.place.text() + ": the tool starts " + number(travel) + " m before the organ; is its position in m?");
   }
 }
 
@@ -235,14 +244,20 @@ void checkMaterials(const Scene& scene, const SurfaceTree& organ, const std::fun
   }
 }
 
-/// Kilopascals that were given as pascals.
-void checkSoftness(const Scene& scene, const std::function<void(const std::string&)>& warn) {
-  constexpr double softest = 5;  // Pa, shear modulus: vitreous humour and the softest gels have some 10
+/// Kilopascals that were given as pascals, grams in a cubic centimetre as kilograms in a cubic metre.
+void checkUnits(const Scene& scene, const std::function<void(const std::string&)>& warn) {
+  constexpr double softest = 5, stiffest = 1e7;    // Pa, shear modulus: vitreous humour has some 10, cartilage 1e6
+  constexpr double lightest = 50, heaviest = 2e4;  // kg/m^3: of lung 200, of bone 2000, of steel 8000
   for (const MaterialSpec& material : scene.materials) {
-    const std::string place = material.place.text();
-    if (material.material.shear_modulus < softest)
-      warn((place.empty() ? "" : place + ": ") + "a shear modulus of " + number(material.material.shear_modulus) +
-           " Pa is softer than any organ: are the moduli in Pa?");
+    const std::string place = material.place.text(), before = place.empty() ? "" : place + ": ";
+    const double shear = material.material.shear_modulus, density = material.material.density;
+    if (shear < softest || shear > stiffest)
+      warn(before + "a shear modulus of " + number(shear) + " Pa is " +
+           (shear < softest ? "softer than any organ: are the moduli in Pa?"
+                            : "stiffer than cartilage, and asks for many steps a tick: are the moduli in Pa? What does "
+                              "not give may be a [[rigid]] body"));
+    if (density < lightest || density > heaviest)
+      warn(before + "a density of " + number(density) + " kg/m^3 is no tissue's: is it in kg/m^3?");
   }
 }
 
@@ -253,8 +268,10 @@ Scene readyScene(const Scene& as_read, const TriangleSurface& organ,
                                       [](const BoundarySpec& b) { return b.points != nullptr; });
   Scene scene = has_points ? withPointBoundaries(as_read, SurfaceTree(organ), warn) : as_read;
   if (const std::string warning = sizeWarning(scene, organ); warn && !warning.empty()) warn(warning);
+  if (ToolSpec& tool = scene.tools[0]; !givesTools(scene) && tool.position == ToolSpec().position)  // above any organ
+    tool.position.z() = std::max(tool.position.z(), boundingBox(organ).max().z() + 2 * tool.shape.radius);
   checkTools(scene, organ, warn);
-  if (warn) checkSoftness(scene, warn);
+  if (warn) checkUnits(scene, warn);
   if (warn && std::any_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) { return !m.everywhere; }))
     checkMaterials(scene, SurfaceTree(organ), warn);
   return scene;

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-GapGrid gridOf(const Scene& scene, const RigidSpec& spec, const SurfaceTree& organ) {
+RigidShape surfaceOf(const Scene& scene, const RigidSpec& spec, const SurfaceTree& organ) {
   SurfaceSide side;
   side.inside = spec.encloses;
   side.clearance = spec.clearance;
@@ -18,8 +18,8 @@ GapGrid gridOf(const Scene& scene, const RigidSpec& spec, const SurfaceTree& org
     side.open = [&](const Vec3& x) {
       return std::any_of(spec.open.begin(), spec.open.end(), [&](const Region& r) { return contains(r, x, organ); });
     };
-  return spec.of_organ ? gapGrid(organ, side, scene.discretization.spacing)
-                       : gapGrid(SurfaceTree(*spec.surface), side, scene.discretization.spacing);
+  return spec.of_organ ? surfaceShape(organ, side, scene.discretization.spacing)
+                       : surfaceShape(SurfaceTree(*spec.surface), side, scene.discretization.spacing);
 }
 
 /// The true gap at rest, m, where the grid knows only what is near.
@@ -112,10 +112,7 @@ RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const Sk
     body.friction = spec.friction;
     body.motion = spec.motion;
     body.encloses = spec.encloses;
-    if (spec.of_organ || spec.surface)
-      body.shape.grid = gridOf(scene, spec, organ);
-    else
-      body.shape = solidOf(spec.region);
+    body.shape = spec.of_organ || spec.surface ? surfaceOf(scene, spec, organ) : solidOf(spec.region);
     checkGap(spec, body.shape, organ, skin);
     const auto gap = spec.of_organ ? std::optional<double>(spec.clearance) : std::nullopt;
     addRigidBody(std::move(body), skin, spacing, gap, bodies);

@@ -70,7 +70,7 @@ const char* doubtText(Doubt doubt) {
       return "the tissue's volume is under too high a pressure to be held: press less, or finer spacing";
     case Doubt::Contact:
       return "the tool is deep in the skin, or has let go of it, or bodies are deep in one another: finer spacing, or "
-             "a blunter tool; where contact_overflow is flagged less refinement, as more skin is near than is followed";
+             "a blunter tool; where contact_overflow is flagged, more skin touches than there is memory for";
     case Doubt::Squeezed:
       return "a point is squeezed to less than 0.3 of its volume: press less, or finer spacing";
     case Doubt::Step:

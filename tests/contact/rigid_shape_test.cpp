@@ -66,8 +66,7 @@ TEST_CASE("A surface has two sides, each with its clearance", "[contact][rigid]"
     SurfaceSide side;
     side.inside = inside;
     side.clearance = 0.001;
-    RigidShape shape;
-    shape.grid = gapGrid(ball, side, 0.006);
+    const RigidShape shape = surfaceShape(ball, side, 0.006);
     for (const double r : {0.028, 0.0295, 0.0305, 0.032}) {
       Vec3 normal;
       const Vec3 x = r * Vec3(2, -1, 2).normalized();
@@ -77,5 +76,16 @@ TEST_CASE("A surface has two sides, each with its clearance", "[contact][rigid]"
       CHECK(shape.leastGap(x) == 0);
     }
     CHECK(shape.leastGap(Vec3(0.06, 0, 0)) > 0.015);
+  }
+}
+
+TEST_CASE("A small ball's surface is as far as the ball, however far apart the nodes are", "[contact][rigid]") {
+  const RigidShape shape =
+      surfaceShape(SurfaceTree(ellipsoidSurface(Vec3::Constant(0.004), 0.0002)), SurfaceSide{}, 0.005);
+  std::mt19937 random(3);
+  for (int k = 0; k < 300; ++k) {
+    const Vec3 x = 0.004 * (0.8 + 0.001 * k) * drawn(random).normalized();
+    Vec3 normal;
+    CHECK(shape.gapAt(x, normal) == Approx(x.norm() - 0.004).margin(6e-6));
   }
 }

@@ -18,6 +18,11 @@ struct PlaneAndTool {
   explicit PlaneAndTool(const ToolShape& tool_shape, double tilt) : tool(tool_shape) {
     for (int i = -20; i <= 20; ++i)
       for (int j = -20; j <= 20; ++j) skin.surface.vertices.emplace_back(1e-3 * i, 1e-3 * j, 0);
+    for (int at = 0; at < 40 * 41; ++at)
+      if (at % 41 < 40) {
+        skin.surface.triangles.push_back({at, at + 41, at + 42});
+        skin.surface.triangles.push_back({at, at + 42, at + 1});
+      }
     // One cluster in one region holds all.
     const auto count = static_cast<int>(skin.surface.vertices.size());
     skin.cluster_begin = skin.region_begin = {0, count};
@@ -82,6 +87,26 @@ TEST_CASE("Where it touches, the depth is how far the tool reaches beyond the sk
       CAPTURE(toolType(kind).name, tilt);
       CHECK(TrueDepth(at.skin, at.tool).of(at.pose, contact) == Approx(0.004).epsilon(0.05));
     }
+}
+
+TEST_CASE("A flat end is as deep as its face, however much more one side of its rim pushes", "[true_depth]") {
+  PlaneAndTool at(ToolShape::of(ToolKind::FlatCylinder, 0.008), 0);
+  at.pose.position.z() = -0.004 - at.lowest();
+  ContactState contact;
+  const auto touch = [&](int v, const Vec3& normal, double force) {
+    contact.vertex.push_back(v);
+    contact.normal.push_back(normal.cast<float>());
+    contact.force.push_back(toFloat4(Vec3(force * normal)));
+    ++contact.count;
+  };
+  for (int v = 0; v < static_cast<int>(at.skin.surface.vertices.size()); ++v) {
+    const Vec3& X = at.skin.surface.vertices[static_cast<std::size_t>(v)];
+    if (X.norm() < 0.0065) touch(v, -Vec3::UnitZ(), 1);
+    if (X.norm() >= 0.0065 && X.norm() < 0.008)
+      touch(v, (X.normalized() - Vec3::UnitZ()).normalized(), X.x() > 0 ? 3 : 1);
+  }
+  // The force leans by 8 degrees: along it the rim is 1.1 mm ahead.
+  CHECK(TrueDepth(at.skin, at.tool).of(at.pose, contact) == Approx(0.004).epsilon(0.01));
 }
 
 TEST_CASE("A ball that goes straight in is as deep as it has come past the touch, and the gap ends there",

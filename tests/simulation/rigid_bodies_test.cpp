@@ -234,12 +234,20 @@ TEST_CASE("A rigid sphere presses as the same sphere held by a hand", "[simulati
   ball.region.kind = Region::Kind::Sphere;
   ball.region.point = scene.tools[0].position + Vec3(0, 0, 0.01);
   ball.region.radius = 0.01;
-  with_ball.rigid = {moved(ball, -press * Vec3::UnitZ())};
-  const Model by_body = test::blockModel(with_ball);
-  StaticSolver body(by_body, 1, 1e-4);
-  const Equilibrium pressed = body.advanceTo(1);
-  REQUIRE((held.converged && pressed.converged));
-  CHECK(-pressed.rigid[0].force.z() == Approx(held.tool_force.z()).epsilon(0.01));
+  for (const bool of_file : {false, true}) {
+    if (of_file) {  // the same as a surface
+      TriangleSurface surface = ellipsoidSurface(Vec3::Constant(0.01), 0.0004);
+      for (Vec3& x : surface.vertices) x += ball.region.point;
+      ball.surface = std::make_shared<const TriangleSurface>(std::move(surface));
+    }
+    with_ball.rigid = {moved(ball, -press * Vec3::UnitZ())};
+    const Model by_body = test::blockModel(with_ball);
+    StaticSolver body(by_body, 1, 1e-4);
+    const Equilibrium pressed = body.advanceTo(1);
+    REQUIRE((held.converged && pressed.converged));
+    CAPTURE(of_file);
+    CHECK(-pressed.rigid[0].force.z() == Approx(held.tool_force.z()).epsilon(0.01));
+  }
 }
 
 TEST_CASE("Tissue that slides to and fro on a rigid ball gains no energy", "[simulation][rigid][whole]") {

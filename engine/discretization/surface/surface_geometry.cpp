@@ -50,6 +50,15 @@ std::vector<Vec3> vertexNormals(const TriangleSurface& surface) {
   return normals;
 }
 
+double meanRadius(const TriangleSurface& surface) {
+  const double area = surfaceArea(surface), out = 1e-4 * std::sqrt(area);
+  TriangleSurface larger = surface;
+  const std::vector<Vec3> normals = vertexNormals(surface);
+  for (std::size_t v = 0; v < normals.size(); ++v) larger.vertices[v] += out * normals[v];
+  const double curvature = 0.5 * (surfaceArea(larger) - area) / out;  // m, integrated
+  return std::abs(area / curvature);
+}
+
 Vec3 closestBarycentric(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, normal = ab.cross(ac);
   const double twice_area_squared = normal.squaredNorm();

@@ -19,6 +19,10 @@ double surfaceArea(const TriangleSurface& surface);
 /// Divergence theorem about the bounding box's centre, so that a surface far from the origin loses no digits.
 double signedVolume(const TriangleSurface& surface);
 
+/// m, of the ball that is as round on the whole: area over the integral of the mean curvature, |A / (1/2 dA/dn)|
+/// (Steiner). Edges count by their length and angle, bumps and dents against each other. Infinite for a flat surface.
+double meanRadius(const TriangleSurface& surface);
+
 /// Smallest axis-aligned box around all vertices, m; empty for a surface without vertices.
 Box3 boundingBox(const TriangleSurface& surface);
 

@@ -58,8 +58,8 @@ std::string sentence(const LogEvent& e) {
           "results there are not to be trusted",
           pointsAre(e.value).c_str(), e.index, p.x(), p.y(), p.z());
     case LogEvent::Kind::ContactOverflow:
-      return "more skin is near the tool than the contact list can hold: part of the contact is ignored; use a smaller "
-             "tool";
+      return "more skin touches, tools or itself, than the contact lists can hold: part of the contact is ignored; "
+             "smaller tools touch less, and what is pressed together less touches less of itself";
     case LogEvent::Kind::DeepContact:
       return format("the tool is %.3g mm deep in the skin: the contact is not to be trusted; press less hard",
                     1e3 * e.value);

@@ -36,6 +36,17 @@ TEST_CASE("A volume keeps its digits far from the origin and turns its sign with
   CHECK(signedVolume(box) == Approx(-1e-3).epsilon(1e-10));
 }
 
+TEST_CASE("A ball is as round as its radius, whichever way it looks, and a cube about as its edges' angles say",
+          "[surface]") {
+  TriangleSurface ball = ellipsoidSurface(Vec3::Constant(0.004), 0.0005);
+  CHECK(meanRadius(ball) == Approx(0.004).epsilon(0.01));
+  for (auto& t : ball.triangles) std::swap(t[0], t[1]);
+  CHECK(meanRadius(ball) == Approx(0.004).epsilon(0.01));
+  // 12 edges of length a, a quarter of a turn each: 6 a^2 / (12 a pi / 4).
+  CHECK(meanRadius(boxSurface({0.01, 0.01, 0.01}, 0.0005)) == Approx(0.02 / pi).epsilon(0.3));
+  CHECK(meanRadius(boxSurface({0.1, 0.1, 0.002}, 0.001)) > 0.02);
+}
+
 TEST_CASE("Vertex normals are the sphere's, and a cube corner's is its diagonal however faces are cut", "[surface]") {
   const TriangleSurface sphere = ellipsoidSurface({0.05, 0.05, 0.05}, 0.005);
   const std::vector<Vec3> normals = vertexNormals(sphere);

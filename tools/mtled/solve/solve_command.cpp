@@ -155,12 +155,14 @@ int solveStatic(const Task& task, SolveResults& results) {
               << " s diverged; the results end before it. More load_steps in [solve], "
               << "a coarser spacing or less motion may help\n";
   } else if (!e.converged && !e.interrupted) {
-    std::cerr << "mtled: no equilibrium within the tolerance at " << e.time << " s after "
-              << StaticSolver::max_iterations << " iterations; the results end before it"
-              << (task.toolsAt(e.time) && hasFriction(task.model.scene)
-                      ? "; a point may stick and slip by turns: another number of load_steps in [solve], or less "
-                        "friction, may help\n"
-                      : "\n");
+    std::cerr
+        << "mtled: no equilibrium within the tolerance at " << e.time << " s after " << StaticSolver::max_iterations
+        << " iterations; the results end before it"
+        << (task.toolsAt(e.time) && hasFriction(task.model.scene)
+                ? "; a point may stick and slip by turns: another number of load_steps in [solve], or less "
+                  "friction, may help\n"
+                : "; what hardly holds it (a small patch, soft tissue about it) lets it swing for long: hold more "
+                  "of it, or let it settle in time, mode = \"transient\" in [solve]\n");
   }
   if (e.interrupted) std::cerr << "mtled: interrupted; --resume goes on from the last load step\n";
   return e.converged && !e.diverged && !e.interrupted ? 0 : 1;

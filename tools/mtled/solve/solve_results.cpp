@@ -207,7 +207,7 @@ void SolveResults::finish(nlohmann::json outcome) {
                   {"rows", checkpoint_.rows},
                   {"frames", checkpoint_.frame_time.size()},
                   {"reactions", reactions},
-                  {"trust", doubtName(trust_.doubt())},
+                  {"trust", checkpoint_.rows > 0 ? nlohmann::json(doubtName(trust_.doubt())) : nullptr},
                   {"setup_seconds", model_.setup_seconds},
                   {"build", buildInfo()}});
   if (trust_.expectedError() > 0) outcome[error_column] = trust_.expectedError();
