@@ -41,7 +41,7 @@ class PendingFile {
 
 /// Makes a folder and those that it lies in, where they are missing. Throws std::runtime_error "FOLDER: reason", with
 /// `advice` as failWriting does.
-void makeFolder(const std::string& folder, const std::string& advice = "");
+void makeFolder(const std::string& folder, const std::string& advice = "choose another place");
 
 /// For the end of a program: throws as failWriting does where something that it printed has not arrived.
 void finishStandardOutput();

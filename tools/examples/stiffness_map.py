@@ -85,10 +85,10 @@ with tempfile.TemporaryDirectory() as folder:
         with open(os.path.join(folder, "identify.json")) as found:
             report = json.load(found)
         regions = [report["regions"][name] for name in names]
-        inside = np.array([r["low_95"] <= t <= r["high_95"] for r, t in zip(regions, truth)])
+        inside = np.array([r["noise_low_95"] <= t <= r["noise_high_95"] for r, t in zip(regions, truth)])
         held += inside
         errors.append([np.log(r["value"] / t) for r, t in zip(regions, truth)])
-        width = np.median([np.log(r["high_95"] / r["low_95"]) / 2 for r in regions])
+        width = np.median([np.log(r["noise_high_95"] / r["noise_low_95"]) / 2 for r in regions])
         print(f"seed {seed}: {inside.sum()} of {len(names)} intervals hold the truth, so far by region {held.min()} to "
               f"{held.max()} of {seed + 1}; error {np.std(errors[-1]):.3f}, half an interval {width:.3f}; "
               f"{report['maps_solved']} maps, {report['linear_solutions']} linear solutions", flush=True)

@@ -1,8 +1,10 @@
 #include "mtled/certify/certify_command.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 
@@ -13,6 +15,7 @@
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"
+#include "io/output_file.h"
 #include "io/scene_file.h"
 #include "model/model_hash.h"
 #include "mtled/run/converged_run.h"
@@ -95,6 +98,9 @@ int certifyCommand(const CertifyOptions& options) {
   const bool one_way = hasOneWay(scene);
   if (!one_way && !options.out.empty())
     throw InputError({file}, "a scene of several tools or jaws has no certificate", "leave --out away");
+  const std::string out = options.out.empty() ? certificateFile(file) : options.out;
+  if (one_way)
+    if (const PendingFile pending(out); !std::ofstream(pending.part())) failWriting(out, errno);  // now, not at the end
   const int threads = threadsOr(options.threads);
   auto line = std::make_unique<ProgressLine>("certify");
   ProgressLine& progress = *line;
@@ -129,7 +135,6 @@ int certifyCommand(const CertifyOptions& options) {
   certificate.row =
       certifiedRows(one_way ? advances(model, way) : times(model, way), run, converged, fineness.coarser, row_count);
   certificate.displacement_error = errorOf(run, converged.run).displacement;
-  const std::string out = options.out.empty() ? certificateFile(file) : options.out;
   if (one_way) writeCertificate(out, certificate);
 
   line.reset();

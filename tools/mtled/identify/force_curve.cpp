@@ -110,21 +110,18 @@ double fallOf(std::vector<Row>::const_iterator first, std::vector<Row>::const_it
 }
 
 /// How far the force came to lie from that on the way in (MeasuredCurve::change).
-/// @param arrived  the row that ends the way in
-std::vector<double> changeOf(const ForceCurve& in, std::vector<Row>::const_iterator arrived,
+/// @param left  the row that ends a hold, where the way out begins
+std::vector<double> changeOf(const MeasuredCurve& in, std::vector<Row>::const_iterator left,
                              std::vector<Row>::const_iterator end) {
-  constexpr double held_share = 0.99;  // of the deepest: the tool is held
-  constexpr double backlash = 0.02;    // of the deepest: less than that is no way back in
-  const auto left = std::find_if(arrived, end, [&](const Row& row) { return row.depth < held_share * arrived->depth; });
-  const double fall = fallOf(arrived, left);  // while the tool is held
+  constexpr double backlash = 0.02;  // of the deepest: less than that is no way back in
   auto turned = left;
   for (double highest = in.deepest(); turned != end && turned->depth < highest + backlash * in.deepest(); ++turned)
     highest = std::min(highest, turned->depth);
   const ForceCurve out = meanOf(left, turned);
-  if (fall == 0 && out.depth.size() < 2) return {};
+  if (in.fall == 0 && out.depth.size() < 2) return {};
   std::vector<double> change;
   for (std::size_t k = 0; k < in.depth.size(); ++k) {
-    double value = -fall * in.force[k];
+    double value = -in.fall * in.force[k];
     if (out.depth.size() > 1 && in.depth[k] >= out.depth.front() && in.depth[k] <= out.depth.back()) {
       const double back = forceAt(out, in.depth[k]) - in.force[k];
       if (std::abs(back) > std::abs(value)) value = back;
@@ -132,6 +129,14 @@ std::vector<double> changeOf(const ForceCurve& in, std::vector<Row>::const_itera
     change.push_back(value);
   }
   return change;
+}
+
+/// s, when the tool was at depth 0: straight on between the rows beside it, or from the first two.
+/// @param touched  the first row of a depth above 0, of two at least
+double touchTime(std::vector<Row>::const_iterator begin, std::vector<Row>::const_iterator touched) {
+  const auto from = touched == begin ? touched : touched - 1, to = from + 1;
+  const double way = to->depth - from->depth, time = to->time - from->time;
+  return way > 0 ? from->time - time * from->depth / way : touched->time;
 }
 
 }  // namespace
@@ -150,8 +155,15 @@ MeasuredCurve readForceCurve(const std::string& path) {
     throw InputError({path}, "only " + std::to_string(curve.depth.size()) + " rows on the way in have a depth above 0",
                      "give at least 5, in the order of time");
   const auto touched = std::find_if(rows.begin(), arrived, [](const Row& row) { return row.depth > 0; });
-  curve.seconds = std::max(0.0, arrived->time - touched->time);
-  curve.change = changeOf(curve, arrived, rows.end());
+  curve.seconds = std::max(0.0, arrived->time - touchTime(rows.begin(), touched));
+  constexpr double held_share = 0.99;  // of the deepest: the tool is held
+  const auto left =
+      std::find_if(arrived, rows.end(), [&](const Row& row) { return row.depth < held_share * arrived->depth; });
+  const auto held =
+      std::find_if(arrived, left, [&](const Row& row) { return row.time > arrived->time + longest_press; });
+  curve.fall = fallOf(arrived, held);
+  curve.held_seconds = (held - 1)->time - arrived->time;
+  curve.change = changeOf(curve, left, rows.end());
   return curve;
 }
 
@@ -175,6 +187,11 @@ void checkUnits(const MeasuredCurve& measured, const std::string& path, double s
   constexpr double widest = 200;  // fat to cartilage; newtons for millinewtons are further off
   const double force = measured.force.back(), ratio = force / simulated;
   if (ratio > 1 / widest && ratio < widest) return;
+  constexpr double just_touches = 1e-5;  // of the measured force
+  if (simulated < just_touches * force && !measured.depth.empty())
+    throw InputError({path}, format("the scene's tool hardly touches %.4g mm in", 1e3 * measured.deepest()),
+                     "name the column after its unit: depth_m for metres, depth_mm for millimetres; where it is right, "
+                     "does the tool meet the organ straight on?");
   throw InputError(
       {path},
       format("the force at the deepest row is %.4g N, and that of the scene as it stands %.4g N", force, simulated),
@@ -182,20 +199,21 @@ void checkUnits(const MeasuredCurve& measured, const std::string& path, double s
       "right, give the scene a material nearer to it to begin from");
 }
 
-ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds, int threads) {
+ForceCurve simulateForceCurve(const Model& model, const PressWay& way, int threads) {
   const double rate = model.scene.dynamics.rate_hz;
   const Vec3 axis = model.tools.first().start.pose.orientation * -Vec3::UnitZ();
   const double approach = std::max(model.tools.first().first_contact_travel, 0.0);
   const auto approach_ticks = static_cast<int>(std::ceil(approach / approach_speed * rate));
-  const auto press_ticks = std::max(20, static_cast<int>(std::ceil(seconds * rate)));
+  const auto press_ticks = std::max(20, static_cast<int>(std::ceil(way.seconds * rate)));
+  const auto held_ticks = static_cast<int>(std::ceil(way.held_seconds * rate));
   State state = initialState(model);
   Workspace workspace(model, threads);
   Command command;
   ForceCurve curve;
   StepReport report;
-  for (int k = 1; k <= approach_ticks + press_ticks; ++k) {
+  for (int k = 1; k <= approach_ticks + press_ticks + held_ticks; ++k) {
     if (interrupted()) throw std::runtime_error("interrupted");
-    const double depth = deepest * std::max(k - approach_ticks, 0) / press_ticks;
+    const double depth = way.deepest * std::clamp(k - approach_ticks, 0, press_ticks) / press_ticks;
     const double travel =
         k < approach_ticks ? approach * k / approach_ticks : model.tools.first().first_contact_travel + depth;
     command.tools[0].pose = model.tools.first().start.pose;
@@ -205,10 +223,12 @@ ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds
       throw std::runtime_error("at " + std::to_string(1e3 * depth) + " mm the model can't follow: " + doubtText(doubt));
     if (k <= approach_ticks) continue;
     curve.trust.add(doubtOf(model, report), report.expected_error, report.error_force, depth);
+    if (k > approach_ticks + press_ticks) continue;
     curve.depth.push_back(depth);
     curve.force.push_back(report.tool_force.norm());
   }
-  addLast(model, state, report, deepest, curve.trust);
+  if (curve.force.back() > 0) curve.fall = 1 - report.tool_force.norm() / curve.force.back();
+  addLast(model, state, report, way.deepest, curve.trust);
   return curve;
 }
 

@@ -12,14 +12,16 @@ namespace palpate::tools {
 struct ForceCurve {
   std::vector<double> depth;  // m, ascending, above 0
   std::vector<double> force;  // N, its size
-  RunTrust trust;             // of a simulated one
+  double fall = 0;  // share of the force that went while the tool was held at its deepest; 0: none, or not held
+  RunTrust trust;   // of a simulated one
 
   double deepest() const { return depth.back(); }
 };
 
 /// A measured one, and what the rows after the way in tell of whether it had settled.
 struct MeasuredCurve : ForceCurve {
-  double seconds = 0;  // from touch to the deepest row; 0: the file has no times
+  double seconds = 0;       // from touch to the deepest row; 0: the file has no times
+  double held_seconds = 0;  // in which the force fell
   /// (row_count) N, how far the force came to lie from that on the way in (below it: negative), while the tool was held
   /// or on its way out. Empty where the file has neither.
   std::vector<double> change;
@@ -37,11 +39,20 @@ MeasuredCurve readForceCurve(const std::string& path);
 void checkUnits(const MeasuredCurve& measured, const std::string& path, const Model& model);
 void checkUnits(const MeasuredCurve& measured, const std::string& path, double simulated);
 
-/// The model's: its tool pressed along its axis to `deepest` m at an even speed, in `seconds` of physics time, which
-/// should be long against the tissue's own swinging. A point for each tick; from them forceAt interpolates.
+/// Of tissue that relaxes at most so much is simulated, s: of a press, and of a tool that is held.
+inline constexpr double longest_press = 100;
+
+/// How a tool is pressed in.
+struct PressWay {
+  double deepest = 0;       // m past touch
+  double seconds = 0;       // of physics time, at an even speed; long against the tissue's own swinging
+  double held_seconds = 0;  // at its deepest, after that
+};
+
+/// The model's: its tool pressed along its axis. A point for each tick; from them forceAt interpolates.
 /// Throws std::runtime_error where the solution can't be trusted on the way.
 /// @param threads  the curve does not depend on it
-ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds, int threads = 1);
+ForceCurve simulateForceCurve(const Model& model, const PressWay& way, int threads = 1);
 
 /// N; linear between points, from 0 at touch.
 double forceAt(const ForceCurve& curve, double depth);

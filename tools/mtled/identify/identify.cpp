@@ -18,7 +18,10 @@ constexpr double difference = 0.02;       // of a coordinate: far above float32'
 constexpr double arrived = 2e-4;          // change of the coordinates: a fiftieth of a percent
 constexpr double largest_step = 1;        // a factor of 2.7 at once
 constexpr double told_apart_from = 1e-3;  // singular values of the derivatives, as shares of the largest
-constexpr double widest_told = 1;         // half a confidence interval, in coordinates: a factor of 2.7 either way
+// Of residuals, where something else explains them. Half may be the cloud's: it is told as a question, and widens the
+// intervals only.
+constexpr double little_left = 0.5;
+constexpr double widest_told = 1;  // half a confidence interval, in coordinates: a factor of 2.7 either way
 
 /// Student's t, two-sided 95 %, by the first terms of its series in 1 / nu: within 0.5 % from nu = 5 on.
 double student95(double nu) { return 1.95996 + 2.3723 / nu + 2.8225 / (nu * nu); }
@@ -189,10 +192,32 @@ void widenFor(const std::vector<double>& change, const std::vector<SoughtParamet
   widenTo(stepFor(found.J, -measured), sought, found);
 }
 
+void widenForError(double share, const std::vector<double>& measured, const std::vector<SoughtParameter>& sought,
+                   Identified& found) {
+  for (const double way : {-share, share}) {
+    std::vector<double> change;
+    for (const double force : measured) change.push_back(way * force);
+    widenFor(change, sought, found);
+  }
+}
+
+double widenForOffset(const std::vector<double>& column, const std::vector<SoughtParameter>& sought,
+                      Identified& found) {
+  const Eigen::Index count = found.J.cols();
+  if (found.r.size() <= count + 1) return 0;
+  MatrixXd J(found.r.size(), count + 1);
+  J << found.J, Eigen::Map<const VectorXd>(column.data(), found.r.size());
+  const VectorXd step = J.colPivHouseholderQr().solve(-found.r), r = found.r + J * step;
+  const bool explains = r.norm() < little_left * found.r.norm() ||
+                        (found.structure > 0 && structureOf(r) < little_left * found.structure);
+  if (!step.allFinite() || !explains) return 0;
+  widenTo(step.head(count), sought, found);
+  return -step[count];
+}
+
 double widenForShift(const std::vector<double>& at, const std::vector<double>& measured,
                      const std::vector<SoughtParameter>& sought, Identified& found) {
-  // Half of what follows from row to row may be the cloud's: it is told as a question, and widens the interval only.
-  constexpr double little = 0.5, most_share = 0.4;  // of the structure; of the depths' range
+  constexpr double most_share = 0.4;     // of the depths' range
   constexpr int tries = 40, passes = 3;  // to either side of the best one so far, each pass within the last one's step
   const Eigen::Index rows = found.r.size();
   const Eigen::Map<const VectorXd> force(measured.data(), rows);
@@ -224,7 +249,7 @@ double widenForShift(const std::vector<double>& at, const std::vector<double>& m
       if (step.allFinite() && better) best = r, best_step = step, best_shift = shift;
     }
   }
-  if (best_shift == 0 || structureOf(best) > little * found.structure) return 0;
+  if (best_shift == 0 || structureOf(best) > little_left * found.structure) return 0;
   widenTo(best_step, sought, found);
   return -best_shift;
 }

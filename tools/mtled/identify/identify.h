@@ -61,12 +61,21 @@ Identified identify(
 /// first order.
 void widenFor(const std::vector<double>& change, const std::vector<SoughtParameter>& sought, Identified& found);
 
+/// Widens the intervals to what fits if the simulated forces are off by a share of themselves, either way, to first
+/// order. @param measured  N (row_count)
+void widenForError(double share, const std::vector<double>& measured, const std::vector<SoughtParameter>& sought,
+                   Identified& found);
+
 /// Of a curve's residuals, simulated less measured: where depths that counted from another place than the touch leave
 /// little of what follows from row to row, widens the intervals to the values that would fit then.
 /// @param at, measured  depth, m, ascending, and force, N (row_count)
 /// @return m, by which the depths are too large; 0: that is not it
 double widenForShift(const std::vector<double>& at, const std::vector<double>& measured,
                      const std::vector<SoughtParameter>& sought, Identified& found);
+
+/// Where a number times `column` (row_count) is more than half of the residuals, or of what follows from row to row in
+/// them: widens the intervals to the values that would fit without. @return the number; 0: that is not it
+double widenForOffset(const std::vector<double>& column, const std::vector<SoughtParameter>& sought, Identified& found);
 
 /// Widens the intervals to the values that each half of the rows would give alone, to first order: where the residuals
 /// are no noise, the parameters are none, either.

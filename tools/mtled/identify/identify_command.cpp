@@ -74,7 +74,7 @@ Sought soughtOf(const IdentifyOptions& options, const Scene& scene) {
     if (found == names.end())
       throw InputError(scene.place,
                        std::string(material.lawDescription().title) + " has no parameter " + inQuotes(name),
-                       "there is " + listed(names, "and"));
+                       "there is " + listed(names, "and") + "; relaxation is taken as the scene gives it");
     if (std::count(wanted.begin(), wanted.end(), name) > 1)
       throw InputError({}, inQuotes(name) + " is named twice", "name each once");
     sought.number.push_back(all.number[k]);
@@ -87,7 +87,7 @@ Sought soughtOf(const IdentifyOptions& options, const Scene& scene) {
 struct Press {
   std::string file;
   std::string material;  // "material[0]"
-  double deepest = 0, seconds = 0;
+  PressWay way;
   int threads = 1;
 };
 
@@ -132,14 +132,14 @@ double coarserBy(const Scene& scene) {
 /// Physics time in which the tool is pressed in, s. Tissue that relaxes is pressed in as fast as the measured was;
 /// other tissue no slower than its own swinging asks for.
 double pressSeconds(const MeasuredCurve& measured, bool relaxing, const std::string& file) {
-  constexpr double slow = 2, fastest = 0.1, slowest = 100;
+  constexpr double slow = 2, fastest = 0.1;
   if (measured.seconds <= 0) return slow;
-  if (relaxing && measured.seconds > slowest)
+  if (relaxing && measured.seconds > longest_press)
     throw InputError({file},
                      format("the press took %.4g s, and at most %g s are simulated of tissue that relaxes",
-                            measured.seconds, slowest),
+                            measured.seconds, longest_press),
                      "are the times of time_s in s? --seconds says how long it took");
-  return std::clamp(measured.seconds, fastest, relaxing ? slowest : slow);
+  return std::clamp(measured.seconds, fastest, relaxing ? longest_press : slow);
 }
 
 /// The scene's answers to values, at the measured depths.
@@ -170,8 +170,8 @@ class PressedScene {
     const bool first = !units_checked_;
     const Model model = modelAt(values, coarser, first && coarser == 1);
     if (first) checkUnits(measured_, path_, model);
-    const ForceCurve curve = simulateForceCurve(model, press_.deepest, press_.seconds, press_.threads);
-    if (first) checkUnits(measured_, path_, forceAt(curve, press_.deepest));
+    const ForceCurve curve = simulateForceCurve(model, press_.way, press_.threads);
+    if (first) checkUnits(measured_, path_, forceAt(curve, press_.way.deepest));
     units_checked_ = true;
     return curve;
   }
@@ -245,8 +245,15 @@ int identifyCommand(const IdentifyOptions& options) {
   const MeasuredCurve measured = readForceCurve(options.measured);
   const bool relaxing = std::any_of(scene.materials.begin(), scene.materials.end(),
                                     [](const MaterialSpec& m) { return m.material.relaxation_count > 0; });
-  const Press press{file, "material[" + std::to_string(options.material) + "]", measured.deepest(),
-                    options.seconds > 0 ? options.seconds : pressSeconds(measured, relaxing, options.measured),
+  if (scene.tools[0].jaws())
+    throw InputError(scene.tools[0].place,
+                     "the scene's first tool is jaws, and a curve is of one tool that is pressed in",
+                     "give a scene with the tool of the experiment");
+  const double seconds = options.seconds > 0 ? options.seconds : pressSeconds(measured, relaxing, options.measured);
+  const bool in_time = measured.seconds > 0 || options.seconds > 0;
+  const Press press{file,
+                    "material[" + std::to_string(options.material) + "]",
+                    {measured.deepest(), seconds, relaxing && in_time ? measured.held_seconds : 0},
                     threadsOr(options.threads)};
   const std::string folder =
       options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() + "_identify" : options.out;
@@ -256,15 +263,16 @@ int identifyCommand(const IdentifyOptions& options) {
   PressedScene pressed(press, sought, measured, options.measured);
   const CoarseToFine search = searched(pressed, sought, measured, coarser);
   Identified found = search.found;
-  const bool in_time = measured.seconds > 0 || options.seconds > 0;
-  Remarks remarks = judge(measured, relaxing && in_time, sought.parameters, found);
+  Remarks remarks = judge(measured, pressed.lastCurve(), relaxing && in_time, sought.parameters, found);
+  const double of_cloud = pressed.lastCurve().trust.expectedError();
+  widenForError(of_cloud, measured.force, sought.parameters, found);
   if (const std::string doubt = doubtOfScene(pressed.lastCurve().trust); !doubt.empty())
     remarks.doubts.push_back(doubt);
   if (relaxing && !in_time)
     remarks.doubts.push_back(
         format("the scene's tissue relaxes, and the file has no times (time_s): it was pressed in "
                "%g s, which the interval takes for true; --seconds says how long it took",
-               press.seconds));
+               seconds));
   const double largest = *std::max_element(measured.force.begin(), measured.force.end());
   nlohmann::ordered_json report{{"program", buildInfo()},
                                 {"scene", scene.name},
@@ -276,17 +284,20 @@ int identifyCommand(const IdentifyOptions& options) {
                                 {"doubts", remarks.doubts},
                                 {"notes", remarks.notes},
                                 {"rows", measured.depth.size()},
-                                {"pressed_in_s", press.seconds},
+                                {"pressed_in_s", seconds},
+                                {"expected_force_error", of_cloud},
                                 {"curves_simulated", search.fine_solves},
                                 {"curves_on_a_coarser_cloud", search.coarse_solves},
                                 {"coarser_by", coarser}};
   for (std::size_t k = 0; k < sought.parameters.size(); ++k) {
     const std::string& name = sought.parameters[k].name;
-    report["parameters"][name] = {{"value", found.value[k]}, {"low_95", found.low[k]}, {"high_95", found.high[k]}};
+    report["parameters"][name] = intervalOf(found, search.found, k);
     std::cout << format("%-12s %.6g   (95 %%: %.6g .. %.6g)\n", name.c_str(), found.value[k], found.low[k],
                         found.high[k]);
   }
   std::cout << format("misfit       %.3g %% of the largest force, %.4g N\n", 100 * found.misfit / largest, largest);
+  std::cout << format("cloud        puts the scene's force off by some %.2g %%, which the interval allows for\n",
+                      100 * of_cloud);
   if (!found.converged) std::cout << "no convergence: begin from nearer values, or seek one parameter\n";
   for (const std::string& doubt : remarks.doubts) std::cout << "DOUBTED      " << doubt << "\n";
   for (const std::string& note : remarks.notes) std::cout << "note         " << note << "\n";

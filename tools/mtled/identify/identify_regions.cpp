@@ -10,6 +10,8 @@
 #include "base/build_info.h"
 #include "base/number_text.h"
 #include "base/parallel_for.h"
+#include "contact/contact.h"
+#include "discretization/surface/surface_geometry.h"
 #include "io/find_asset.h"
 #include "io/load_model.h"
 #include "io/output_file.h"
@@ -18,6 +20,7 @@
 #include "mechanics/materials/material_law.h"
 #include "mtled/identify/force_curve.h"
 #include "mtled/identify/identify.h"
+#include "mtled/identify/identify_remarks.h"
 #include "mtled/identify/pressed_regions.h"
 #include "mtled/report/pictures.h"
 #include "mtled/run/progress.h"
@@ -76,6 +79,57 @@ Figure figureOfRegions(const std::string& scene, const std::string& parameter, c
   for (Series& series : figure.series)
     for (std::size_t k = 0; k < found.value.size(); ++k) series.x.push_back(static_cast<double>(k) + 1);
   return figure;
+}
+
+/// m, of a press: how far its tip is past where it touched. Not finite: the tool meets no skin that way.
+double depthOf(const Model& model, const SettledPress& press) {
+  const ToolSetUp& tool = model.tools.first();
+  Pose far = tool.start.pose;
+  const Vec3 axis = far.orientation * Vec3::UnitZ();
+  const double back = 2 * boundingBox(model.skin.surface).diagonal().norm();
+  far.position = press.tip + back * axis;
+  return back - firstContactTravel(model.skin.surface, tool.shape, far);
+}
+
+/// What the presses say of where their forces and depths count from, and what they can't. Widens the intervals.
+std::vector<std::string> offsetNotes(const Model& model, const std::vector<SettledPress>& presses,
+                                     const std::vector<double>& forces, const std::vector<SoughtParameter>& sought,
+                                     Identified& found) {
+  constexpr double alike = 1.5;         // deepest over shallowest
+  constexpr double stiffening = 1.5;    // of a round tool's force with its depth (Hertz), dF/F over dd/d
+  constexpr double told_misfit = 1e-3;  // of the largest force: no measurement is better
+  std::vector<double> depth, slope;
+  for (const SettledPress& press : presses) {
+    depth.push_back(depthOf(model, press));
+    slope.push_back(depth.back() > 0 ? stiffening * press.force / depth.back() : 0);
+  }
+  const auto [least, most] = std::minmax_element(depth.begin(), depth.end());
+  if (*most < alike * *least)
+    return {
+        format("the presses are all about as deep (%.3g to %.3g mm), which can't show that forces or depths count "
+               "from another place than air and touch: what was found would be off by as much. Press half as deep, "
+               "too, at some places",
+               1e3 * *least, 1e3 * *most)};
+  if (found.misfit < told_misfit * *std::max_element(forces.begin(), forces.end())) return {};
+  std::vector<std::string> notes;
+  Identified by_force = found, by_depth = found;
+  const double force = widenForOffset(std::vector<double>(presses.size(), 1), sought, by_force),
+               shift = widenForOffset(slope, sought, by_depth);
+  if (force != 0)
+    notes.push_back(
+        format("forces that are all %.2g N too %s would explain what is left over: is 0 that of the tool in "
+               "air? The intervals reach to what fits then",
+               std::abs(force), force > 0 ? "small" : "large"));
+  if (shift != 0)
+    notes.push_back(
+        format("tips that are all %.2g mm too %s would explain what is left over. The intervals reach to "
+               "what fits then",
+               1e3 * std::abs(shift), shift > 0 ? "deep" : "high"));
+  for (std::size_t k = 0; k < found.value.size(); ++k) {
+    found.low[k] = std::min(by_force.low[k], by_depth.low[k]);
+    found.high[k] = std::max(by_force.high[k], by_depth.high[k]);
+  }
+  return notes;
 }
 
 }  // namespace
@@ -145,7 +199,12 @@ int identifyRegions(const IdentifyOptions& options) {
         format("the scene can't follow these presses: %.3g %% of the largest force are left over; are "
                "tool, support and places those of the experiment?",
                100 * found.misfit / largest->force));
+  const Identified by_noise = found;
+  std::vector<double> forces;
+  for (const SettledPress& press : presses) forces.push_back(press.force);
+  const std::vector<std::string> notes = offsetNotes(*model, presses, forces, sought.parameters, found);
   const double too_large = regions.expectedError(hardest);
+  widenForError(too_large, forces, sought.parameters, found);
   if (too_large > TrustLimits::expected_error)
     doubts.push_back(
         format("the scene's cloud makes its force some %.0f %% too large, and what was found that much too "
@@ -160,21 +219,26 @@ int identifyRegions(const IdentifyOptions& options) {
                                 {"misfit_N", found.misfit},
                                 {"misfit_of_largest_force", found.misfit / largest->force},
                                 {"doubts", doubts},
+                                {"notes", notes},
                                 {"presses", presses.size()},
+                                {"expected_force_error", too_large},
                                 {"maps_solved", maps},
                                 {"linear_solutions", regions.solutionCount()}};
   for (std::size_t k = 0; k < sought.parameters.size(); ++k) {
     const std::string& name = sought.parameters[k].name;
-    report["regions"][name] = {{"value", found.value[k]}, {"low_95", found.low[k]}, {"high_95", found.high[k]}};
+    report["regions"][name] = intervalOf(found, by_noise, k);
     std::cout << format("%-12s %.6g   (95 %%: %.6g .. %.6g)\n", name.c_str(), found.value[k], found.low[k],
                         found.high[k]);
   }
   std::cout << format("misfit       %.3g %% of the largest force, %.4g N\n", 100 * found.misfit / largest->force,
                       largest->force);
+  std::cout << format("cloud        puts the scene's force off by some %.2g %%, which the intervals allow for\n",
+                      100 * too_large);
   if (!found.converged) std::cout << "no convergence: begin from nearer values\n";
   if (!found.told_apart)
     std::cout << "note         the presses do not tell all regions apart: press over each, or join some\n";
   for (const std::string& doubt : doubts) std::cout << "DOUBTED      " << doubt << "\n";
+  for (const std::string& note : notes) std::cout << "note         " << note << "\n";
   writeWholeFile(folder + "/identify.json", report.dump(2) + "\n");
   std::cout << "picture      "
             << writePicture(folder + "/identify.png", figureOfRegions(scene.name, sought.numbers.front().name, found))

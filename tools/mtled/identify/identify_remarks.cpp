@@ -16,8 +16,8 @@ constexpr double most_change = 0.03;      // of a force that had settled
 
 }  // namespace
 
-Remarks judge(const MeasuredCurve& measured, bool relaxes, const std::vector<SoughtParameter>& sought,
-              Identified& found) {
+Remarks judge(const MeasuredCurve& measured, const ForceCurve& simulated, bool relaxes,
+              const std::vector<SoughtParameter>& sought, Identified& found) {
   Remarks remarks;
   const double largest = *std::max_element(measured.force.begin(), measured.force.end());
   if (!found.told_apart)
@@ -28,10 +28,14 @@ Remarks judge(const MeasuredCurve& measured, bool relaxes, const std::vector<Sou
   std::string shifted;
   if (found.structure > told_structure * largest) {
     widenToHalves(sought, found);
+    const double offset = widenForOffset(std::vector<double>(measured.force.size(), 1), sought, found);
     const double shift = widenForShift(measured.depth, measured.force, sought, found);
     if (shift != 0)
       shifted = format(" Depths that count from %.2g mm %s the touch would explain it: is 0 where the tool touches?",
                        1e3 * std::abs(shift), shift > 0 ? "before" : "after");
+    if (offset != 0)
+      shifted += format(" Forces that are all %.2g N too %s would explain it: is 0 that of the tool in air?",
+                        std::abs(offset), offset > 0 ? "small" : "large");
   }
   if (found.misfit > most_noise * largest || found.structure > most_structure * largest)
     remarks.doubts.push_back(format("the scene can't follow this curve: %.3g %% of the largest force are left over, "
@@ -42,11 +46,25 @@ Remarks judge(const MeasuredCurve& measured, bool relaxes, const std::vector<Sou
   else if (found.structure > told_structure * largest)
     remarks.notes.push_back(
         format("the residuals follow from row to row, by %.2g %% of the largest force, which is no "
-               "noise: a curve that had not settled does so, or another law. The interval reaches to what each half of "
+               "noise: a curve that had not settled does so, another law, or another of the scene's materials. The "
+               "interval reaches to what each half of "
                "the curve says",
                100 * found.structure / largest) +
         (shifted.empty() ? "" : "." + shifted));
-  if (relaxes) return remarks;  // change in time is the scene's own
+  if (relaxes) {  // change in time is the scene's own: as much of it?
+    const bool is_noise = measured.fall == 0 && found.misfit > most_change * largest;
+    if (!(measured.held_seconds > 0) || is_noise) return remarks;
+    const double apart = measured.fall - simulated.fall;
+    std::vector<double> change;
+    for (const double force : measured.force) change.push_back(-apart * force);
+    widenFor(change, sought, found);
+    if (std::abs(apart) > most_change)
+      remarks.doubts.push_back(
+          format("while the tool was held the force fell by %.2g %%, and that of the scene by %.2g "
+                 "%%: its \"relaxation\" is another. The interval reaches to what fits then",
+                 100 * measured.fall, 100 * simulated.fall));
+    return remarks;
+  }
   if (measured.change.empty()) {
     remarks.notes.emplace_back(
         "a curve that only goes in does not show whether it had settled: where the tissue may "

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
+
 #include "mtled/identify/force_curve.h"
 #include "mtled/identify/identify.h"
 
@@ -11,10 +13,21 @@ struct Remarks {
   std::vector<std::string> notes;
 };
 
+/// A parameter in a report: its value, its interval, and what of that is noise.
+/// @param by_noise  before it was widened
+inline nlohmann::json intervalOf(const Identified& found, const Identified& by_noise, std::size_t k) {
+  return {{"value", found.value[k]},
+          {"low_95", found.low[k]},
+          {"high_95", found.high[k]},
+          {"noise_low_95", by_noise.low[k]},
+          {"noise_high_95", by_noise.high[k]}};
+}
+
 /// Judges what was found by what noise can't do: residuals that are too large, or follow from row to row, and a force
 /// that changes while the tool is held or comes back another way. Widens the intervals to what these allow.
-/// @param relaxes  the scene's materials relax, and were pressed in as fast as the measured ones
-Remarks judge(const MeasuredCurve& measured, bool relaxes, const std::vector<SoughtParameter>& sought,
-              Identified& found);
+/// @param simulated  the scene's own curve, held as the measured one was where its materials relax
+/// @param relaxes    they do, and were pressed in as fast as the measured ones
+Remarks judge(const MeasuredCurve& measured, const ForceCurve& simulated, bool relaxes,
+              const std::vector<SoughtParameter>& sought, Identified& found);
 
 }  // namespace palpate::tools
