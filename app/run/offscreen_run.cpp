@@ -87,6 +87,7 @@ RunReport blankReport(const Scene& scene) {
   if (tools.size() > 1 || tools[0].jaws()) report.tools.resize(tools.size());
   if (scene.organs.size() > 1)
     for (const OrganSpec& organ : scene.organs) report.organs.push_back({organ.name, Vec3::Zero()});
+  for (const BoundarySpec& boundary : scene.boundaries) report.regions.push_back({boundary.name, {}});
   for (const RigidSpec& body : scene.rigid) report.rigid.push_back({body.name});
   return report;
 }

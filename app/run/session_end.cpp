@@ -116,8 +116,11 @@ RunReport Session::report() {
   RunSummary summary = loop_->summary();
   const Model& model = physics_->place() ? physics_->place()->place.model : model_;
   addLast(model, physics_->state(), latest().report, latest().time_s, summary.trust);
-  return makeRunReport(model_, summary, loop_->statistics(), physics_->team().size(),
-                       volumeChange(modelOf(latest(), model_), latest().u.data()));
+  RunReport report = makeRunReport(model_, summary, loop_->statistics(), physics_->team().size(),
+                                   volumeChange(modelOf(latest(), model_), latest().u.data()));
+  for (std::size_t b = 0; b < model_.scene.boundaries.size(); ++b)
+    report.regions.push_back({model_.scene.boundaries[b].name, physics_->reactions()[b]});
+  return report;
 }
 
 double volumeChange(const Model& model, const Float4* u) {

@@ -103,7 +103,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
 }
 
 std::string toJson(const RunReport& r) {
-  const Vec3& base = r.base_reaction_N;
+  const auto listed = [](const Vec3& a) { return Json::array({a.x(), a.y(), a.z()}); };
   Json json = {
       {"scene", r.scene},
       {"nodes", r.nodes},
@@ -137,7 +137,7 @@ std::string toJson(const RunReport& r) {
       {"volume_change", r.volume_change},
       {"peak_force_N", r.peak_force_N},
       {"peak_depth_m", r.peak_depth_m},
-      {"base_reaction_N", Json::array({base.x(), base.y(), base.z()})},
+      {"base_reaction_N", listed(r.base_reaction_N)},
       {"state_hash", hex16(r.state_hash)},
       {"flags", flagNames(r.flags)},
       {"trust", doubtName(r.doubt)},
@@ -151,6 +151,9 @@ std::string toJson(const RunReport& r) {
       {"setup_seconds", r.setup_seconds},
       {"build", r.build},
   };
+  for (const RunReport::Region& region : r.regions)
+    json["reactions"][region.name] = {{"force_N", listed(region.on_tissue.force)},
+                                      {"moment_Nm", listed(region.on_tissue.moment)}};
   for (const RunReport::Tool& tool : r.tools) {
     Json entry = {{"peak_force_N", tool.peak_force_N}};
     if (tool.jaws) entry["peak_pinch_N"] = tool.peak_pinch_N;
@@ -164,12 +167,11 @@ std::string toJson(const RunReport& r) {
         {"largest_jump_share", r.follow->largest_jump_share},
         {"longest_swap_us", r.follow->longest_swap_us}};
   for (const RunReport::Organ& organ : r.organs) {
-    const Vec3& f = organ.contact_force_N;
-    json["organs"].push_back({{"name", organ.name}, {"contact_force_N", Json::array({f.x(), f.y(), f.z()})}});
+    json["organs"].push_back({{"name", organ.name}, {"contact_force_N", listed(organ.contact_force_N)}});
   }
   if (!r.organs.empty()) json["organ_penetration_m"] = r.organ_penetration_m;
   for (const RunReport::Rigid& body : r.rigid) {
-    const Json force = Json::array({body.force_N.x(), body.force_N.y(), body.force_N.z()});
+    const Json force = listed(body.force_N);
     json["rigid"].push_back({{"name", body.name}, {"force_N", force}, {"penetration_m", body.penetration_m}});
     if (body.name != skull_name) continue;
     json["skull_force_N"] = force;

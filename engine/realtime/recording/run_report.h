@@ -41,6 +41,11 @@ struct RunReport {
   std::vector<Tool> tools;  // where the scene has several or jaws; else empty, and report.json has no "tools"
   double peak_depth_m = 0;  // of the skin under the tip, from where it lay at rest
   Vec3 base_reaction_N = Vec3::Zero();
+  struct Region {
+    std::string name;
+    Reaction on_tissue;  // last step
+  };
+  std::vector<Region> regions;  // that are held or moved
   struct Organ {
     std::string name;
     Vec3 contact_force_N = Vec3::Zero();

@@ -65,6 +65,11 @@ TEST_CASE("report.json has the keys that other tools read", "[run_report]") {
   CHECK(follow["largest_jump_share"] == 0.004);
   CHECK(follow["longest_swap_us"] == 120);
   for (const char* key : {"scheduling", "memory_lock", "affinity"}) CHECK(report["rt_setup"].contains(key));
+  RunReport held;
+  held.regions = {{"base", {Vec3(1, 2, 3), Vec3(4, 5, 6)}}};
+  const json base = json::parse(toJson(held))["reactions"]["base"];
+  CHECK(base["force_N"] == json({1, 2, 3}));
+  CHECK(base["moment_Nm"] == json({4, 5, 6}));
 }
 
 TEST_CASE("A report tells what the run was", "[run_report]") {
