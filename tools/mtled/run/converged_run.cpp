@@ -29,7 +29,10 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
                           const std::function<void(double, const std::string&)>& watch) {
   ConvergedRun converged;
   for (const bool fine : {false, true}) {
-    watch(fine ? 0.3 : 0, fine ? "the reference" : "a coarser reference");
+    const auto done = [&](double share) {
+      watch(fine ? 0.3 + 0.7 * share : 0.3 * share, fine ? "the reference" : "a coarser reference");
+    };
+    done(0);
     Scene scene = present.scene;
     const double factor = fine ? 1 : fineness.coarser;
     refineWhere(scene, places, factor * fineness.outside, factor * fineness.inside);
@@ -37,7 +40,7 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
     scene.dynamics.time_step = 0;
     scene.dynamics.step_safety = std::min(scene.dynamics.step_safety, reference_safety);
     const Model model = loadModel(scene);
-    ScriptedRun run = runTrajectory(model, way, probes, threads);
+    ScriptedRun run = runTrajectory(model, way, probes, threads, false, done);
     if (run.interrupted) throw std::runtime_error("interrupted during the reference solution; nothing is kept");
     if (!run.sound())
       throw std::runtime_error(

@@ -55,13 +55,15 @@ void follow(const ToolTrajectory& way, ScriptedRun& run, TickTo&& tickTo) {
   }
 }
 
-void followInFloat(const Model& model, const ToolTrajectory& way, int threads, ScriptedRun& run,
-                   AlignedVector<Double4>& u) {
+void followInFloat(const Model& model, const ToolTrajectory& way, int threads, const std::function<void(double)>& watch,
+                   ScriptedRun& run, AlignedVector<Double4>& u) {
   SteppedTissue tissue(model, stateAt(model, way.front()), threads);
   tissue.workspace.team.wake();
+  std::size_t ticks = 0;
   follow(way, run, [&](const ToolPostures& tools) {
     const StepReport report = tissue.tickTo(tools);
     run.add(model, report.loads, report.flags, static_cast<double>(report.min_J));
+    if (watch) watch(static_cast<double>(++ticks) / static_cast<double>(way.size()));
   });
   tissue.workspace.team.park();
   u = inDouble(tissue.state.u);
@@ -157,14 +159,14 @@ State stateAt(const Model& model, const ToolPostures& tools) {
 }
 
 ScriptedRun runTrajectory(const Model& model, const ToolTrajectory& way, const std::vector<Vec3>& probes, int threads,
-                          bool in_double) {
+                          bool in_double, const std::function<void(double)>& watch) {
   const ShapeTable shape = probeShape(model, probes);
   ScriptedRun run;
   AlignedVector<Double4> u;
   if (in_double)
     followInDouble(model, way, threads, run, u);
   else
-    followInFloat(model, way, threads, run, u);
+    followInFloat(model, way, threads, watch, run, u);
   run.probe_u = fieldAt(shape, u);
   return run;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,9 +60,10 @@ State stateAt(const Model& model, const ToolPostures& tools);
 
 /// @param probes      m, points of the body at rest at which displacements are wanted
 /// @param in_double   the batch body in double instead of the real-time step in float32
+/// @param watch       gets the share of the way that is done, each tick of the real-time step
 /// Throws std::runtime_error where a probe lies outside the body.
 ScriptedRun runTrajectory(const Model& model, const ToolTrajectory& way, const std::vector<Vec3>& probes, int threads,
-                          bool in_double = false);
+                          bool in_double = false, const std::function<void(double)>& watch = {});
 
 /// m, of the body at the probes (probe_count). Throws as runTrajectory.
 std::vector<Vec3> displacementAt(const Model& model, const std::vector<Vec3>& probes, const State& state);
