@@ -1,19 +1,15 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
 
 #include "base/parallel_for.h"
 #include "contact/rigid_bodies.h"
+#include "contact/skin_points.h"
 
 namespace palpate {
 namespace {
 
-/// Apart from each other, per spacing of the nodes there, are the points that touch.
-constexpr double point_distance = 0.5;
-
-/// The same per radius of what is round, whichever is less: all vertices of a skin that is made for it (edges of a
-/// quarter). Two thirds of them press 4 % less than a tool of the same shape, which has all.
+/// Apart from each other, per radius of what is round, are the points that touch, or by the nodes (point_distance), whichever is less: all vertices of a
+/// skin that is made for it (edges of a quarter). Two thirds of them press 4 % less than a tool of the same shape, which has all.
 constexpr double point_distance_on_round = 0.1;
 
 constexpr double cells_per_spacing = 3;
@@ -21,56 +17,7 @@ constexpr double largest_cell = 2e-3;  // m: edges are as sharp as that
 /// Per radius of what is round: the distance to a ball is within a thousandth of its radius then, cell^2 / (4 radius).
 /// (By the spacing alone a ball of 4 mm was pressed by 10 % less.)
 constexpr double cell_on_round = 0.06;
-constexpr double most_nodes = 4e6;     // of the grid: 16 MB
-
-/// Vertices of the skin of which none is nearer to an earlier one than `apart` of it, in their order.
-/// @param apart  m (vertex_count)  @param widest  m, the largest of them
-std::vector<int> thinned(const std::vector<Vec3>& X, const std::vector<double>& apart, double widest) {
-  using Cell = std::array<int, 3>;
-  std::map<Cell, std::vector<int>> kept;
-  std::vector<int> result;
-  for (int v = 0; v < static_cast<int>(X.size()); ++v) {
-    Cell at{};
-    for (int a = 0; a < 3; ++a) at[static_cast<std::size_t>(a)] = static_cast<int>(std::floor(X[v][a] / widest));
-    bool free = true;
-    for (int n = 0; n < 27 && free; ++n) {
-      const auto cell = kept.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
-      if (cell == kept.end()) continue;
-      for (const int w : cell->second) free = free && (X[w] - X[v]).squaredNorm() >= apart[v] * apart[v];
-    }
-    if (!free) continue;
-    kept[at].push_back(v);
-    result.push_back(v);
-  }
-  return result;
-}
-
-/// Shares the skin's area out to the nearest points.
-std::vector<float> areasOf(const SkinModel& skin, const std::vector<int>& points, double apart) {
-  using Cell = std::array<int, 3>;
-  const std::vector<Vec3>& X = skin.surface.vertices;
-  const auto cellOf = [&](const Vec3& x) {
-    Cell at{};
-    for (int a = 0; a < 3; ++a) at[static_cast<std::size_t>(a)] = static_cast<int>(std::floor(x[a] / apart));
-    return at;
-  };
-  std::map<Cell, std::vector<int>> place;  // numbers of points
-  for (std::size_t p = 0; p < points.size(); ++p) place[cellOf(X[points[p]])].push_back(static_cast<int>(p));
-  std::vector<double> area(points.size(), 0);
-  for (std::size_t v = 0; v < X.size(); ++v) {
-    const Cell at = cellOf(X[v]);
-    int nearest = -1;
-    double distance = std::numeric_limits<double>::infinity();
-    for (int n = 0; n < 27; ++n) {
-      const auto cell = place.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
-      if (cell == place.end()) continue;
-      for (const int p : cell->second)
-        if (const double d = (X[points[p]] - X[v]).squaredNorm(); d < distance) distance = d, nearest = p;
-    }
-    if (nearest >= 0) area[nearest] += skin.area[v];  // always: each vertex is nearer than `apart` to one
-  }
-  return {area.begin(), area.end()};
-}
+constexpr double most_nodes = 4e6;  // of the grid: 16 MB
 
 /// Fills a row of the grid: distances are asked for near the surface, and as often as needed to get there.
 void fillRow(const SurfaceTree& surface, const SurfaceSide& side, int j, int k, GapGrid& grid) {
@@ -140,13 +87,10 @@ RigidShape surfaceShape(const SurfaceTree& surface, const SurfaceSide& side, dou
   return shape;
 }
 
-void addRigidBody(RigidBody body, const SkinModel& skin, const SpacingField& spacing, std::optional<double> gap_at_rest,
-                  RigidBodies& bodies) {
-  std::vector<double> apart;
-  for (const Vec3& X : skin.surface.vertices) apart.push_back(apartOn(body.shape, spacing.at(X)));
-  const double widest = apartOn(body.shape, spacing.largest());
-  const std::vector<int> points = thinned(skin.surface.vertices, apart, widest);
-  const std::vector<float> areas = areasOf(skin, points, widest);
+void addRigidBody(RigidBody body, const SkinModel& skin, const std::vector<int>& of_body, const SpacingField& spacing,
+                  std::optional<double> gap_at_rest, RigidBodies& bodies) {
+  const auto [points, areas] =
+      skinPoints(skin, of_body, [&](const Vec3& X) { return apartOn(body.shape, spacing.at(X)); });
   body.begin = bodies.pointCount();
   bodies.vertex.insert(bodies.vertex.end(), points.begin(), points.end());
   bodies.area.insert(bodies.area.end(), areas.begin(), areas.end());

@@ -58,10 +58,11 @@ struct SurfaceSide {
 RigidShape surfaceShape(const SurfaceTree& surface, const SurfaceSide& side, double spacing);
 
 /// Adds a body, of which only the points are missing.
+/// @param of_body      (vertex_count) SkinBodies::body
 /// @param spacing      m, of the nodes
 /// @param gap_at_rest  m, of all the skin, where the skin made the surface
-void addRigidBody(RigidBody body, const SkinModel& skin, const SpacingField& spacing, std::optional<double> gap_at_rest,
-                  RigidBodies& bodies);
+void addRigidBody(RigidBody body, const SkinModel& skin, const std::vector<int>& of_body, const SpacingField& spacing,
+                  std::optional<double> gap_at_rest, RigidBodies& bodies);
 
 /// A point before a body.
 struct RigidRow : ContactRow {

@@ -5,6 +5,7 @@
 
 #include "contact/skin_contact.h"
 #include "contact/skin_places.h"
+#include "contact/skin_points.h"
 #include "discretization/surface/surface_bodies.h"
 #include "discretization/surface/surface_geometry.h"
 
@@ -99,6 +100,17 @@ bool looksPast(const SkinModel& skin, const std::vector<Aspect>& aspect, int a, 
   return ahead < 0 && ahead * straight + beside * turned < -radii;
 }
 
+/// Which vertices touch other bodies.
+void addPoints(const SkinModel& skin, const SpacingField& spacing, SkinBodies& bodies) {
+  bodies.apart = bodies.longest_edge;
+  if (!bodies.several()) return;
+  bodies.apart = std::max(bodies.apart, point_distance * spacing.largest());
+  const SkinPoints points =
+      skinPoints(skin, bodies.body, [&](const Vec3& X) { return point_distance * spacing.at(X); });
+  bodies.area.assign(bodies.body.size(), 0);
+  for (std::size_t p = 0; p < points.vertex.size(); ++p) bodies.area[points.vertex[p]] = points.area[p];
+}
+
 /// Which clusters look at each other across a gap, and how near they are.
 void addGaps(const SkinModel& skin, SkinBodies& bodies) {
   const auto &X = skin.surface.vertices, &N = bodies.normal;
@@ -130,7 +142,7 @@ void addGaps(const SkinModel& skin, SkinBodies& bodies) {
 
 }  // namespace
 
-SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
+SkinBodies makeSkinBodies(const SkinModel& skin, double spacing, const SpacingField& finest) {
   SkinBodies bodies;
   const SurfaceBodies of = bodiesOf(skin.surface);
   bodies.count = of.count;
@@ -143,6 +155,7 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
   for (const float length : skin.topology->edge_length)
     bodies.longest_edge = std::max(bodies.longest_edge, static_cast<double>(length));
   bodies.normal = vertexNormals(skin.surface);
+  addPoints(skin, finest, bodies);
   addClusterFaces(skin, bodies);
   addGaps(skin, bodies);
   return bodies;

@@ -9,6 +9,7 @@
 #include "base/types.h"
 #include "contact/contact_row.h"
 #include "contact/skin.h"
+#include "discretization/nodes/spacing_field.h"
 
 namespace palpate {
 
@@ -22,6 +23,8 @@ struct SkinBodies {
   // pressure, and the other's only what those miss.
   std::vector<int> rank;
   std::vector<Vec3> normal;  // (vertex_count) unit, at rest
+  // (vertex_count) m^2 of the skin that each touches other bodies for (skinPoints); 0: others do. Within a body all do.
+  std::vector<float> area;
   // Faces around the vertices of the skin's clusters.
   std::vector<int> cluster_face_begin;  // (cluster_count + 1)
   std::vector<int> cluster_face;
@@ -34,6 +37,7 @@ struct SkinBodies {
   int node_count = 0;                           // that move the skin
   double spacing = 0;                           // m, of the nodes
   double longest_edge = 0;                      // m, of the skin at rest
+  double apart = 0;                             // m, between points that touch other bodies, or of an edge, at most
   double row_sum = 1;  // max_v sum_i |N_i(X_v)|: no vertex moves further than this times the fastest node
 
   bool several() const { return count > 1; }
@@ -42,7 +46,8 @@ constexpr int max_skin_bodies = 64, max_organs = 16;
 
 /// The bodies of a skin, all of organ 0 and without friction, from where its vertices are at rest; then what follows
 /// from its rows, which each place of a cloud that follows the tool has of its own.
-SkinBodies makeSkinBodies(const SkinModel& skin, double spacing);
+/// @param spacing  m, of the nodes  @param finest  where they are the nearest to one another that they can be
+SkinBodies makeSkinBodies(const SkinModel& skin, double spacing, const SpacingField& finest);
 void addRows(const SkinModel& skin, SkinBodies& bodies);
 
 /// Vertices of the skin that are near another body or another part of their own, with the face that each is before: the
@@ -72,6 +77,7 @@ struct SkinContactScratch {
     int begin = 0, end = 0;                           // of its entries
     Eigen::Vector4f apart = Eigen::Vector4f::Zero();  // m, vertex less face point at rest
     float lift = 0;                                   // m, added to the gap
+    float area = 0;                                   // m^2, that it stands for
   };
   int row_count = 0;
   bool overflow = false;    // more pairs than there is memory for; the last vertices' were left out

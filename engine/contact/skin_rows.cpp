@@ -59,7 +59,7 @@ std::size_t SkinRows::makeRows() {
     }
     scratch_->active[active_++] = static_cast<int>(&row - scratch_->row.data());
     row.highest = before < 0 ? before + fastest_return : 1e3F;
-    row.stiffness = layerStiffness(step_, state_->vertex[row.slot], step_.skin.area[state_->vertex[row.slot]]);
+    row.stiffness = layerStiffness(step_, state_->vertex[row.slot], static_cast<double>(row.area));
     float response = 0;
     for (int e = row.begin; e < row.end; ++e)
       response += scratch_->N[e] * scratch_->N[e] * step_.inverse_mass[scratch_->node[e]];

@@ -53,7 +53,7 @@ constexpr double same_distance = 1e-7;
 /// face, does not touch it.
 constexpr double before_face = 0.5;
 
-/// Edges of the skin, by which vertices of the coarser skin may go into the finer: corners that stand between the
+/// Distances of points, or edges of the skin, by which those of the coarser skin may go into the finer: corners that stand between the
 /// finer one's vertices are met here. Both sides at once would be more conditions than there are nodes, and forces
 /// would wander between them, which friction does not survive.
 constexpr double missed_depth = 0.05;
@@ -496,7 +496,8 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, Look& look, SkinC
                                 : stand.distance > way && (!is_before || (!was_inside && gap < 0));
     const bool is_inside = gap <= 0 && !is_beside;
     state.clearance[k] = is_inside ? inside : static_cast<float>(stand.distance);
-    const bool may_touch = !is_beside && static_cast<double>(state.clearance[k]) <= way && std::isfinite(gap);
+    const bool may_touch = (same || bodies.area[v] > 0) && !is_beside &&
+                           static_cast<double>(state.clearance[k]) <= way && std::isfinite(gap);
     scratch.overflow |= may_touch && static_cast<std::size_t>(scratch.row_count) == scratch.row.size();
     if (!may_touch || scratch.overflow) {
       state.force[k] = {};
@@ -509,10 +510,9 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, Look& look, SkinC
     const int own = bodies.body[v], other = bodies.body[look.corners(stand.face)[0]];
     row.friction = std::max(bodies.friction[own], bodies.friction[other]);
     const auto& corner = look.corners(stand.face);
-    const double missed = missed_depth * bodies.longest_edge;
-    row.lift = static_cast<float>(same                                    ? (carries(v, corner[0], skin) ? -missed : 0)
-                                  : bodies.rank[own] < bodies.rank[other] ? 0
-                                                                          : missed);
+    row.lift = static_cast<float>(same ? (carries(v, corner[0], skin) ? -missed_depth * bodies.longest_edge : 0)
+                                       : (bodies.rank[own] < bodies.rank[other] ? 0 : missed_depth * bodies.apart));
+    row.area = same ? static_cast<float>(skin.area[v]) : bodies.area[v];
     Vec3 apart = skin.surface.vertices[v];
     for (int c = 0; c < 3; ++c)
       apart -= stand.barycentric[c] * skin.surface.vertices[corner[static_cast<std::size_t>(c)]];

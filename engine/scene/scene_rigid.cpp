@@ -104,7 +104,7 @@ double largestSpeed(const RigidSpec& spec) {
 }
 
 RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const SkinModel& skin,
-                          const SpacingField& spacing) {
+                          const std::vector<int>& of_body, const SpacingField& spacing) {
   RigidBodies bodies;
   for (const RigidSpec& spec : scene.rigid) {
     RigidBody body;
@@ -115,7 +115,7 @@ RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const Sk
     body.shape = spec.of_organ || spec.surface ? surfaceOf(scene, spec, organ) : solidOf(spec.region);
     checkGap(spec, body.shape, organ, skin);
     const auto gap = spec.of_organ ? std::optional<double>(spec.clearance) : std::nullopt;
-    addRigidBody(std::move(body), skin, spacing, gap, bodies);
+    addRigidBody(std::move(body), skin, of_body, spacing, gap, bodies);
   }
   return bodies;
 }

@@ -6,9 +6,9 @@
 
 namespace palpate {
 
-/// The scene's rigid bodies. Throws InputError where the organ reaches into one of them at rest.
+/// The scene's rigid bodies. @param of_body  as addRigidBody's. Throws InputError where the organ reaches into one of them at rest.
 RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const SkinModel& skin,
-                          const SpacingField& spacing);
+                          const std::vector<int>& of_body, const SpacingField& spacing);
 
 /// The solid that a region is. @pre  a half-space, box, sphere or cylinder
 RigidShape solidOf(const Region& region);

@@ -150,7 +150,8 @@ double gripForce(double asked, double radius, const Model& model) {
 
 /// Which organ each body is of, and each node.
 void addBodies(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces* common, Model& model) {
-  model.bodies = common != nullptr ? common->bodies : makeSkinBodies(model.skin, scene.discretization.spacing);
+  model.bodies = common != nullptr ? common->bodies
+                                   : makeSkinBodies(model.skin, scene.discretization.spacing, spacingField(scene));
   SkinBodies& bodies = model.bodies;
   addRows(model.skin, bodies);
   if (bodies.count > max_skin_bodies)
@@ -231,7 +232,7 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToP
     spacing.refinements.clear();
   }
   addLayer(common != nullptr ? common->finest_spacing : scene.discretization.spacing, model);
-  model.rigid = rigidBodiesOf(scene, tree, model.skin, spacing);
+  model.rigid = rigidBodiesOf(scene, tree, model.skin, model.bodies.body, spacing);
   model.tools = makeToolSet(scene, tree, model.skin.surface);
   for (ToolSetUp& tool : model.tools.tool) {
     tool.max_force = maxToolForce(tool.max_force, tool.shape.radius, model.materials);

@@ -399,7 +399,9 @@ void addSkin(const Scene& as_read, Places& places) {
   common.finest_spacing = places.sizes.fine;
   for (const BodyPlaces& body : places.body) common.finest_spacing = std::min(common.finest_spacing, body.fine);
   common.skin = skinOf(all);
-  common.bodies = makeSkinBodies(common.skin, places.scene.discretization.spacing);
+  SpacingField finest;
+  finest.spacing = common.finest_spacing;
+  common.bodies = makeSkinBodies(common.skin, places.scene.discretization.spacing, finest);
 }
 
 }  // namespace
