@@ -8,8 +8,11 @@
 namespace palpate {
 namespace {
 
-/// Apart from each other, per radius of what is round, are the points that touch, or by the nodes (point_distance), whichever is less: all vertices of a
-/// skin that is made for it (edges of a quarter). Two thirds of them press 4 % less than a tool of the same shape, which has all.
+/// Apart from each other, per spacing of the nodes there, are the points that touch. (RigidBodies)
+constexpr double point_distance = 0.5;
+
+/// The same per radius of what is round, whichever is less: all vertices of a skin that is made for it (edges of a
+/// quarter). Two thirds of them press 4 % less than a tool of the same shape, which has all.
 constexpr double point_distance_on_round = 0.1;
 
 constexpr double cells_per_spacing = 3;

@@ -100,6 +100,11 @@ bool looksPast(const SkinModel& skin, const std::vector<Aspect>& aspect, int a, 
   return ahead < 0 && ahead * straight + beside * turned < -radii;
 }
 
+/// Apart from each other, per spacing of the nodes there, are the points that touch other bodies: the displacement
+/// between them is no finer. Of two blocks that meet at 0.9 m/s one goes 1.8 mm into the other with 0.5, 0.34 mm with
+/// this, 0.25 mm where all vertices touch, which takes seven times as long.
+constexpr double point_distance = 0.35;
+
 /// Which vertices touch other bodies.
 void addPoints(const SkinModel& skin, const SpacingField& spacing, SkinBodies& bodies) {
   bodies.apart = bodies.longest_edge;

@@ -7,11 +7,6 @@
 
 namespace palpate {
 
-/// Apart from each other, per spacing of the nodes there, are points that touch other skin or what is rigid: the
-/// displacement between them is no finer. (Half of the spacing elsewhere, and a ball with finer nodes below went 0.6 mm
-/// through a plate between its points, a third too soft.)
-inline constexpr double point_distance = 0.5;
-
 /// Vertices of the skin that touch for those around them.
 struct SkinPoints {
   std::vector<int> vertex;  // (point_count) ascending
