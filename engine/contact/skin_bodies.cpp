@@ -103,15 +103,15 @@ bool looksPast(const SkinModel& skin, const std::vector<Aspect>& aspect, int a, 
 /// Apart from each other, per spacing of the nodes there, are the points that touch other bodies: the displacement
 /// between them is no finer. Of two blocks that meet at 0.9 m/s one goes 1.8 mm into the other with 0.5, 0.34 mm with
 /// this, 0.25 mm where all vertices touch, which takes seven times as long.
-constexpr double point_distance = 0.35;
+constexpr double organ_point_distance = 0.35;
 
 /// Which vertices touch other bodies.
 void addPoints(const SkinModel& skin, const SpacingField& spacing, SkinBodies& bodies) {
   bodies.apart = bodies.longest_edge;
   if (!bodies.several()) return;
-  bodies.apart = std::max(bodies.apart, point_distance * spacing.largest());
+  bodies.apart = std::max(bodies.apart, organ_point_distance * spacing.largest());
   const SkinPoints points =
-      skinPoints(skin, bodies.body, [&](const Vec3& X) { return point_distance * spacing.at(X); });
+      skinPoints(skin, bodies.body, [&](const Vec3& X) { return organ_point_distance * spacing.at(X); });
   bodies.area.assign(bodies.body.size(), 0);
   for (std::size_t p = 0; p < points.vertex.size(); ++p) bodies.area[points.vertex[p]] = points.area[p];
 }
