@@ -74,7 +74,7 @@ TEST_CASE("The force error that fit expects, or certify states, is within a fact
     const std::vector<ContactRegion> places = contactRegions(model, way);
     const TempFolder folder;
     FitRecord record(folder.path("record.json"), "");
-    const FitTask task{scene, way, probes, 2, record, quiet};
+    const FitTask task{scene, way, probes, 1, record, quiet};
     // As fit does, with even nodes and with nodes dense where the tool works ...
     const auto families = fitFamilies(scene, places);
     const FitFamily &even = families.front(),
@@ -83,10 +83,10 @@ TEST_CASE("The force error that fit expects, or certify states, is within a fact
     const FitCandidate candidates[] = {tried(task, even, 1), tried(task, refined, 1.2)};
     const double inside = 1.2 * refined.inside;
     const Fineness fineness = fitFineness(1, inside);
-    const ConvergedRun converged = convergedRun(model, way, probes, places, fineness, 2, quiet);
+    const ConvergedRun converged = convergedRun(model, way, probes, places, fineness, 1, quiet);
     // ... and against a solution finer than what fit compares with.
     const ConvergedRun finer =
-        convergedRun(model, way, probes, places, {0.95 * fineness.outside, 0.78 * fineness.inside, 1.35}, 2, quiet);
+        convergedRun(model, way, probes, places, {0.95 * fineness.outside, 0.78 * fineness.inside, 1.35}, 1, quiet);
     for (const FitCandidate& c : candidates) {
       REQUIRE(c.run.sound());
       const double expected = expectedError(errorOf(c.run, converged.run), converged, fineness.coarser),
