@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "io/output_file.h"
-#include "realtime/recording/force_csv.h"
 
 namespace palpate::app {
 
@@ -36,12 +35,11 @@ ResultFolder::ResultFolder(const std::string& folder, bool with_forces)
   checkForces();
 }
 
-void ResultFolder::begin(const ToolSet& tools, bool follows) {
-  tools_ = tools;
-  follows_ = follows;
+void ResultFolder::begin(const ForceColumns& columns) {
+  columns_ = columns;
   if (with_forces_) {
     errno = 0;
-    forces_ << forceCsvHeader(tools_, follows_).substr(common_columns) << std::flush;
+    forces_ << forceCsvHeader(columns).substr(common_columns) << std::flush;
     checkForces();
   }
   if (pending_.pending()) pending_.takePlace(elsewhere);
@@ -56,7 +54,7 @@ void ResultFolder::checkForces() {
 void ResultFolder::addForce(const ForceSample& s, const ToolReadings& readings) {
   if (!with_forces_ || forces_lost_) return;
   errno = 0;
-  forces_ << forceCsvRow(s, readings, tools_, follows_);
+  forces_ << forceCsvRow(s, readings, *columns_);
   checkForces();
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include "app/render/picture.h"
 #include "io/output_file.h"
 #include "realtime/channels/snapshot.h"
+#include "realtime/recording/force_csv.h"
 
 namespace palpate::app {
 
@@ -19,9 +21,8 @@ class ResultFolder {
   /// @param with_forces  false: no force.csv; addForce does nothing
   explicit ResultFolder(const std::string& folder, bool with_forces = true);
 
-  /// The run starts: force.csv takes the place of an earlier one, with the columns that these tools have.
-  /// @param follows  the cloud follows the tool
-  void begin(const ToolSet& tools = {}, bool follows = false);
+  /// The run starts: force.csv takes the place of an earlier one, with these columns.
+  void begin(const ForceColumns& columns);
 
   /// One row of force.csv; none after one that could not be written.
   /// @param readings  of the same tick, where there are several tools or jaws
@@ -45,8 +46,7 @@ class ResultFolder {
 
   std::string folder_;
   bool with_forces_;
-  ToolSet tools_;
-  bool follows_ = false;
+  std::optional<ForceColumns> columns_;
   bool forces_lost_ = false;  // for good: the system refused a row
   PendingFile pending_;       // force.csv
   std::ofstream forces_;

@@ -387,7 +387,7 @@ std::vector<double> Session::exportTimes(std::int64_t ticks) const {
 }
 
 void Session::start() {
-  if (results_) results_->begin(model_.tools, scene_.discretization.follow);
+  if (results_) results_->begin(ForceColumns(model_, scene_.discretization.follow));
   loop_->start();
   if (device_) device_->start();
 }

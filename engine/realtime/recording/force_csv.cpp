@@ -1,6 +1,7 @@
 #include "realtime/recording/force_csv.h"
 
 #include "base/number_text.h"
+#include "model/model.h"
 #include "step/trust.h"
 
 namespace palpate {
@@ -31,9 +32,14 @@ std::string forceCsvRow(const ForceSample& s) {
   return row + std::to_string(s.contact_count) + format(",%.3g\n", s.expected_error);
 }
 
-std::string forceCsvHeader(const ToolSet& tools, bool follows) {
+ForceColumns::ForceColumns(const Model& model, bool cloud_follows) : tools(model.tools), follows(cloud_follows) {
+  for (const RigidBody& body : model.rigid.body) rigid.push_back(body.name);
+}
+
+std::string forceCsvHeader(const ForceColumns& columns) {
   std::string header(force_csv_header);
   header.pop_back();
+  const ToolSet& tools = columns.tools;
   for (std::size_t k = 0; k < tools.tool.size(); ++k) {
     const std::string name = ",tool" + std::to_string(k + 1) + "_";
     if (k > 0)
@@ -42,10 +48,14 @@ std::string forceCsvHeader(const ToolSet& tools, bool follows) {
         header.append(name).append(column);
     if (tools.tool[k].jaws) header.append(name).append("opening_m").append(name).append("pinch_N");
   }
-  return header + (follows ? ",nodes,place_late\n" : "\n");
+  for (const std::string& name : columns.rigid)
+    for (const char* column : {"_force_N_x", "_force_N_y", "_force_N_z"})
+      header.append(",").append(name).append(column);
+  return header + (columns.follows ? ",nodes,place_late\n" : "\n");
 }
 
-std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ToolSet& tools, bool follows) {
+std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ForceColumns& columns) {
+  const ToolSet& tools = columns.tools;
   std::string row = forceCsvRow(sample);
   row.pop_back();
   const auto add = [&row](double value) { row += ',' + number(value); };
@@ -59,7 +69,9 @@ std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings,
     }
     if (tools.tool[k].jaws) add(t.opening), add(t.pinch);
   }
-  if (follows) row += ',' + std::to_string(sample.node_count) + (sample.place_late ? ",1" : ",0");
+  for (std::size_t b = 0; b < columns.rigid.size(); ++b)
+    for (const float value : sample.rigid_force[b]) add(static_cast<double>(value));
+  if (columns.follows) row += ',' + std::to_string(sample.node_count) + (sample.place_late ? ",1" : ",0");
   return row + '\n';
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "realtime/channels/snapshot.h"
 #include "realtime/channels/tool_readings.h"
@@ -14,12 +15,20 @@ extern const char* const force_csv_header;
 /// most 1e-4 s of detail.
 std::string forceCsvRow(const ForceSample& sample);
 
-/// Header and rows with the columns that a scene with several tools or jaws has beyond these, each behind its tool's
-/// number (tool1_opening_m, tool2_force_N_x): opening and pinch force of jaws; pose, force and torque of the tools
-/// beside the first. Others: the same as above.
-/// @param follows  the cloud follows the tool: at last the nodes of its place, and 1 where that was late
-std::string forceCsvHeader(const ToolSet& tools, bool follows = false);
-std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ToolSet& tools,
-                        bool follows = false);
+/// What a scene's rows have beyond these.
+struct ForceColumns {
+  explicit ForceColumns(const Model& model, bool follows = false);
+
+  ToolSet tools;
+  std::vector<std::string> rigid;  // names of rigid bodies
+  bool follows;                    // the cloud follows the tool
+};
+
+/// Header and rows with them. Where there are several tools or jaws, each column is behind its tool's number
+/// (tool1_opening_m, tool2_force_N_x): opening and pinch force of jaws; pose, force and torque of the tools beside the
+/// first. Then the force of each rigid body on the tissue (floor_force_N_x). Where the cloud follows, at last the nodes
+/// of its place, and 1 where that was late.
+std::string forceCsvHeader(const ForceColumns& columns);
+std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ForceColumns& columns);
 
 }  // namespace palpate

@@ -92,8 +92,11 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   const std::string folder = std::string(PALPATE_BINARY_DIR) + "/result_folder_test/nested";
   std::filesystem::remove_all(folder);
   ResultFolder results(folder);
-  results.begin();
+  Model model;
+  model.rigid.body.emplace_back().name = "floor";
+  results.begin(ForceColumns(model));
   ForceSample sample;
+  sample.rigid_force[0].z() = 1.5F;
   sample.time_s = 0.002;
   sample.depth_m = -0.0123456789;
   sample.advance_m = 0.25;
@@ -113,7 +116,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
         "time_s,depth_m,advance_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
         "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust,"
         "tool_x_m,tool_y_m,tool_z_m,tool_qx,tool_qy,tool_qz,tool_qw,torque_Nm_x,torque_Nm_y,torque_Nm_z,contacts,"
-        "expected_error");
+        "expected_error,floor_force_N_x,floor_force_N_y,floor_force_N_z");
   double value[9] = {};
   char comma = 0;
   std::istringstream cells(row);
@@ -123,7 +126,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   CHECK(value[2] == 0.25);
   CHECK(value[5] == -3e-7);
   CHECK(value[8] == Approx(1.0 / 3).epsilon(1e-8));
-  CHECK(row.ends_with(",good,0.125,-0.25,0.142857143,0,0,0,1,-1e-05,0,0.666666667,17,0.0312"));
+  CHECK(row.ends_with(",good,0.125,-0.25,0.142857143,0,0,0,1,-1e-05,0,0.666666667,17,0.0312,0,0,1.5"));
   CHECK_FALSE(std::getline(lines, rest));
   results.writeReport("{}");
   CHECK(readAll(results.reportFile()) == "{}\n");
@@ -414,7 +417,8 @@ TEST_CASE("A search's recording brings marks and answers: a replay scores the sa
   CHECK_THAT(changed.conditions.changes[0], Catch::Contains("friction is now 0.9"));
 }
 
-TEST_CASE("Off-screen, too, nothing shows a search's inside - --answers shows it without a search", "[session][whole]") {
+TEST_CASE("Off-screen, too, nothing shows a search's inside - --answers shows it without a search",
+          "[session][whole]") {
   const TempFolder folder;
   Options options;
   options.offscreen = true;

@@ -109,7 +109,8 @@ BatchResult runBatchJob(const BatchJob& job, const BatchModel& of, const std::st
   PendingFile pending(folder + "/force.csv");
   errno = 0;
   std::ofstream rows(pending.part(), std::ios::binary | std::ios::trunc);
-  rows << forceCsvHeader(model.tools, following != nullptr);
+  const ForceColumns columns(model, following != nullptr);
+  rows << forceCsvHeader(columns);
   for (std::int64_t k = 0; k < ticks; ++k) {
     if (interrupted()) throw Interrupted();
     if (!script || k < way.ticks()) {  // after a script the tool stays where it is
@@ -119,7 +120,7 @@ BatchResult runBatchJob(const BatchJob& job, const BatchModel& of, const std::st
     }
     loop.advanceHere(1);
     const ForceSample sample = loop.force().sample;
-    rows << forceCsvRow(sample, loop.toolReadings(), model.tools, following != nullptr);
+    rows << forceCsvRow(sample, loop.toolReadings(), columns);
     result.peak_force = std::max(result.peak_force, sample.force_raw.norm());
     result.last_force = sample.force_raw.norm();
     result.last_depth = sample.depth_m;
