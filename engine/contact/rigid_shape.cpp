@@ -103,11 +103,15 @@ Vec3 RigidShape::normalAt(const Vec3& x, const Vec3& gradient) const {
   return slope.squaredNorm() > 1e-6 * grid.cell * grid.cell ? slope.normalized() : gradient.normalized();
 }
 
+Vec3 RigidShape::middle() const {
+  if (kind != Kind::Surface) return point;
+  return grid.origin + 0.5 * grid.cell * Vec3(grid.count[0] - 1, grid.count[1] - 1, grid.count[2] - 1);
+}
+
 double RigidShape::leastGap(const Vec3& x) const {
   Vec3 unused;
   if (kind != Kind::Surface) return gapAt(x, unused);
-  const Vec3 middle = 0.5 * grid.cell * Vec3(grid.count[0] - 1, grid.count[1] - 1, grid.count[2] - 1);
-  return ((x - grid.origin - middle).cwiseAbs() - middle).cwiseMax(0).norm();
+  return ((x - middle()).cwiseAbs() - (middle() - grid.origin)).cwiseMax(0).norm();
 }
 
 }  // namespace palpate

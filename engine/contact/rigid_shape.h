@@ -41,6 +41,8 @@ struct RigidShape {
   /// Real-time.
   Vec3 normalAt(const Vec3& x, const Vec3& gradient) const;
 
+  Vec3 middle() const;  // m, or a point on it
+
   /// A bound from below on the gap at x, m, where there is one to speak of: a place has to move so far, or further, to
   /// touch. Of solids the gap itself, of surfaces the way to their grid. Real-time.
   double leastGap(const Vec3& x) const;

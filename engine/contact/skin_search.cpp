@@ -53,7 +53,13 @@ constexpr double same_distance = 1e-7;
 /// face, does not touch it.
 constexpr double before_face = 0.5;
 
-/// Distances of points, or edges of the skin, by which those of the coarser skin may go into the finer: corners that stand between the
+/// Cosine of the angle between the normals of a vertex and of a face of another body that it may touch: what lies flat
+/// under an edge that slides over it is not met by the side beyond the edge. (Else a soft cube on a soft block stuck on
+/// slopes of twice its angle of friction, its edge in its own dent.)
+constexpr double facing = -0.25;
+
+/// Distances of points, or edges of the skin, by which those of the coarser skin may go into the finer: corners that
+/// stand between the
 /// finer one's vertices are met here. Both sides at once would be more conditions than there are nodes, and forces
 /// would wander between them, which friction does not survive.
 constexpr double missed_depth = 0.05;
@@ -105,13 +111,21 @@ class Look {
   Stand follow(int vertex, int face, bool touches = false) {
     constexpr int most_moves = 32;
     Stand best = standAt(at(vertex), face);
-    if (best.barycentric.minCoeff() > 0) return best;  // straight before it
+    const bool is_faced = touches || isFaced(vertex, face);
+    if (is_faced && best.barycentric.minCoeff() > 0) return best;  // straight before it
+    const Stand first = best;
+    if (!is_faced) best.distance = std::numeric_limits<double>::infinity();
     for (int move = 0; move < most_moves; ++move) {
       const int from = best.face;
       for (const int v : skin_.surface.triangles[from]) nearestAround(vertex, v, touches, best);
       if (best.face == from) break;
     }
-    return best;
+    return best.face == face ? first : best;
+  }
+
+  /// Whether a vertex looks at a face of another body.
+  bool isFaced(int vertex, int t) {
+    return bodies_.body[vertex] == bodies_.body[corners(t)[0]] || unit(areaOf(t)).dot(normalAt(vertex)) <= facing;
   }
 
   /// From the faces around another vertex on.
@@ -180,7 +194,8 @@ class Look {
   /// Of faces at whose common edge or corner the vertex is nearest, the one that it faces.
   void nearestAround(int vertex, int v, bool touches, Stand& best) {
     for (const int t : facesAround(v)) {
-      if (t == best.face || (touches && !areSmooth(t, best.face)) || !isApart(vertex, t)) continue;
+      if (t == best.face || !isApart(vertex, t)) continue;
+      if (touches ? !areSmooth(t, best.face) : !isFaced(vertex, t)) continue;
       const Stand stand = standAt(at(vertex), t);
       if (stand.distance > best.distance + same_distance) continue;
       if (stand.distance >= best.distance - same_distance && best.face >= 0 &&
@@ -493,7 +508,8 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, Look& look, SkinC
     const bool is_beside = same ? (stand.distance > least_way && !is_before) ||
                                       gap < -(has_touched ? deepest_hold * bodies.spacing : least_way) ||
                                       (!has_touched && normal.dot(look.normalAt(v)) >= 0)
-                                : stand.distance > way && (!is_before || (!was_inside && gap < 0));
+                                : (stand.distance > way && (!is_before || (!was_inside && gap < 0))) ||
+                                      (!has_touched && !look.isFaced(v, stand.face));
     const bool is_inside = gap <= 0 && !is_beside;
     state.clearance[k] = is_inside ? inside : static_cast<float>(stand.distance);
     const bool may_touch = (same || bodies.area[v] > 0) && !is_beside &&

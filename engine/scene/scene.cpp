@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discretization/surface/surface_geometry.h"
 #include "scene/scene_rigid.h"
 
 namespace palpate {
@@ -43,8 +44,10 @@ double motionEnd(const Scene& scene) {
 double smallestToolRadius(const Scene& scene) {
   double smallest = scene.tools[0].shape.radius;
   for (const ToolSpec& tool : scene.tools) smallest = std::min(smallest, tool.shape.radius);
-  for (const RigidSpec& body : scene.rigid)
-    if (body.region.radius > 0) smallest = std::min(smallest, body.region.radius);
+  for (const RigidSpec& body : scene.rigid) {
+    const double radius = body.surface ? meanRadius(*body.surface) : body.region.radius;
+    if (radius > 0 && !body.encloses) smallest = std::min(smallest, radius);
+  }
   return smallest;
 }
 

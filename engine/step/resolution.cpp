@@ -303,18 +303,26 @@ void addLast(const Model& model, const State& state, const StepReport& report, d
             touches ? presses.press[0].tool : -1);
 }
 
-double spacingAtTool(const Body& body, std::size_t tool) {
-  const ToolSetUp& set_up = body.tools.tool[tool];
-  const Vec3 touched =
-      set_up.start.pose.position - set_up.first_contact_travel * (set_up.start.pose.orientation * Vec3::UnitZ());
+namespace {
+
+/// m, between the nodes about that nearest to a place.
+double spacingNear(const Body& body, const Vec3& place) {
   double least = std::numeric_limits<double>::infinity();
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < body.X.size(); ++i)
-    if (const double d = (body.X[i] - touched).squaredNorm(); d < least) {
+    if (const double d = (body.X[i] - place).squaredNorm(); d < least) {
       least = d;
       nearest = i;
     }
   return body.support_radius[nearest] / body.scene.discretization.support_factor;
+}
+
+}  // namespace
+
+double spacingAtTool(const Body& body, std::size_t tool) {
+  const ToolSetUp& set_up = body.tools.tool[tool];
+  return spacingNear(
+      body, set_up.start.pose.position - set_up.first_contact_travel * (set_up.start.pose.orientation * Vec3::UnitZ()));
 }
 
 std::string layerWarning(const Body& body) {
@@ -329,17 +337,21 @@ std::string layerWarning(const Body& body) {
              number + 1, layer.name.empty() ? "" : (" (\"" + layer.name + "\")").c_str(), 100 * body.layer_error);
 }
 
-std::string resolutionWarning(const Body& body) {
+std::string resolutionWarning(const Model& body) {
   double worst = coarsest_nodes, spacing = 0, radius = 0;
-  for (std::size_t t = 0; t < body.tools.tool.size(); ++t) {
-    if (body.tools.tool[t].first_contact_travel <= 0) continue;
-    const double h = spacingAtTool(body, t), r = touchRadius(body.scene.tools[t].shape);
+  const auto meets = [&](double h, double r) {
     if (h > worst * r) worst = h / r, spacing = h, radius = r;
-  }
+  };
+  for (std::size_t t = 0; t < body.tools.tool.size(); ++t)
+    if (body.tools.tool[t].first_contact_travel > 0)
+      meets(spacingAtTool(body, t), touchRadius(body.scene.tools[t].shape));
+  for (const RigidBody& rigid : body.rigid.body)
+    if (rigid.shape.radius > 0 && !rigid.encloses) meets(spacingNear(body, rigid.shape.middle()), rigid.shape.radius);
   if (radius == 0) return {};
   return placeOf(body.scene, "discretization.spacing").text() +
          format(
-             ": where a tool meets the organ the nodes are %.3g mm apart, which is coarse for a tip that touches as "
+             ": where a tool or a rigid body meets the organ the nodes are %.3g mm apart, which is coarse for what "
+             "touches as "
              "a ball of %.3g mm radius does: it will feel the tissue too stiff, by more the lighter it touches. A "
              "spacing of %.2g mm there (spacing, with follow = true near the tool alone, or refine) would do; `mtled "
              "fit` finds the best cloud for a rate, "
