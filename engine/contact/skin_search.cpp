@@ -59,9 +59,8 @@ constexpr double before_face = 0.5;
 constexpr double facing = -0.25;
 
 /// Distances of points, or edges of the skin, by which those of the coarser skin may go into the finer: corners that
-/// stand between the
-/// finer one's vertices are met here. Both sides at once would be more conditions than there are nodes, and forces
-/// would wander between them, which friction does not survive.
+/// stand between the finer one's are met here. Both sides at once would be more conditions than there are nodes, and
+/// forces would wander between them, which friction does not survive.
 constexpr double missed_depth = 0.05;
 
 /// How a vertex stands to the face that it is before.

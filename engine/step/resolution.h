@@ -88,8 +88,8 @@ inline constexpr double coarsest_nodes = 0.8;
 /// The spacing of the cloud where a tool meets the organ, m.
 double spacingAtTool(const Body& body, std::size_t tool = 0);
 
-/// A sentence for whoever loads a scene in which a tool, or a round rigid body, is too small for its cloud, before a press has shown it; "" where
-/// nodes are no further apart than 0.8 of its radius.
+/// A sentence for whoever loads a scene in which a tool, or a round rigid body, is too small for its cloud, before a
+/// press has shown it; "" where nodes are no further apart than 0.8 of its radius.
 std::string resolutionWarning(const Model& body);
 
 /// The same of a material that the cells see little of (Preparation::thin_layer); "" where there is none.
