@@ -5,6 +5,7 @@
 #include "batch/static_solver.h"
 #include "batch/transient_solver.h"
 #include "model/model_hash.h"
+#include "step/resolution.h"
 #include "step/step.h"
 #include "step/tool_bodies.h"
 #include "step/trust.h"
@@ -248,6 +249,53 @@ TEST_CASE("A rigid sphere presses as the same sphere held by a hand", "[simulati
     CAPTURE(of_file);
     CHECK(-pressed.rigid[0].force.z() == Approx(held.tool_force.z()).epsilon(0.01));
   }
+}
+
+TEST_CASE("A thin rod of a surface file presses as the same cylinder, and is told to be thin", "[simulation][rigid]") {
+  Scene scene = test::blockScene(0.005);
+  scene.tools[0].position.z() = 0.2;
+  RigidSpec rod;
+  rod.name = "rod";
+  rod.region.kind = Region::Kind::Cylinder;
+  rod.region.normal = Vec3::UnitX();
+  rod.region.radius = 0.0015;
+  rod.region.height = 0.02;
+  rod.region.point = Vec3(-0.01, 0, scene.organs[0].size.z() + 0.0017);
+  double force[2] = {};
+  for (const bool of_file : {false, true}) {
+    if (of_file) {
+      constexpr int around = 24, along = 20;
+      TriangleSurface surface;
+      for (int k = 0; k <= along; ++k)
+        for (int a = 0; a < around; ++a)
+          surface.vertices.push_back(rod.region.point + Vec3(0.02 * k / along, 0.0015 * std::cos(2 * M_PI * a / around),
+                                                             0.0015 * std::sin(2 * M_PI * a / around)));
+      const int first = static_cast<int>(surface.vertices.size());
+      surface.vertices.push_back(rod.region.point);
+      surface.vertices.push_back(rod.region.point + Vec3(0.02, 0, 0));
+      for (int a = 0; a < around; ++a) {
+        const int b = (a + 1) % around;
+        surface.triangles.push_back({first, b, a});
+        surface.triangles.push_back({first + 1, along * around + a, along * around + b});
+        for (int k = 0; k < along; ++k) {
+          const int p = k * around + a, q = k * around + b;
+          surface.triangles.push_back({p, q, p + around});
+          surface.triangles.push_back({q, q + around, p + around});
+        }
+      }
+      rod.surface = std::make_shared<const TriangleSurface>(std::move(surface));
+    }
+    scene.rigid = {moved(rod, Vec3(0, 0, -0.0042), 0.3)};
+    const Model model = test::blockModel(scene);
+    CHECK_FALSE(resolutionWarning(model).empty());
+    State state = initialState(model);
+    Workspace workspace(model, 1);
+    Command command;
+    command.tools[0].pose = model.tools.first().start.pose;
+    for (int k = 0; k < 250; ++k) force[of_file] = -tick(model, state, command, workspace).rigid[0].force.z();
+  }
+  CHECK(force[0] > 0.1);
+  CHECK(force[1] == Approx(force[0]).epsilon(0.1));
 }
 
 TEST_CASE("Tissue that slides to and fro on a rigid ball gains no energy", "[simulation][rigid][whole]") {

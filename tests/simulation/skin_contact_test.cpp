@@ -307,6 +307,39 @@ TEST_CASE("Friction between organs holds what pushes less than it can, and does 
   }
 }
 
+TEST_CASE("A soft cube slides down a soft block that is too steep for its friction, and no edge holds it",
+          "[simulation][skin_contact]") {
+  constexpr double slope = 20 * M_PI / 180, friction = 0.3, damping = 20, time = 0.2;
+  Scene scene = test::blockScene(0.005);
+  scene.materials[0].material.set("young", 2e4);
+  scene.boundaries.clear();
+  scene.organs[0].size = Vec3(0.08, 0.05, block);
+  scene.organs[0].friction = friction;
+  scene.organs.push_back(scene.organs[0]);
+  scene.organs[1].size = Vec3::Constant(block);
+  scene.organs[1].position = Vec3(-0.023, 0.0013, block + 1e-4);
+  addBoundary(scene, 0, Vec3::Zero(), Vec3::UnitZ(), {true, true, true});
+  scene.dynamics.gravity = 9.81 * Vec3(std::sin(slope), 0, -std::cos(slope));
+  scene.dynamics.damping = damping;
+  scene.tools[0].position = Vec3(0, 0, 0.3);
+  scene.tools[0].shape.radius = 0.01;
+  const Model model = modelOf(scene);
+  State state = initialState(model);
+  const auto wayIn = [&](double seconds) {  // m, of the cube
+    const State before = state;
+    run(model, state, static_cast<int>(seconds * scene.dynamics.rate_hz));
+    Vec3 way = Vec3::Zero();
+    int nodes = 0;
+    for (int i = 0; i < model.nodeCount(); ++i)
+      if (model.node_organ[i] == 1) way += toVec3(state.u[i]) - toVec3(before.u[i]), ++nodes;
+    return Vec3(way / nodes);
+  };
+  wayIn(time);  // it falls by a tenth of a millimetre, and comes to its speed
+  const Vec3 way = wayIn(time);
+  CHECK(way.x() == Approx(9.81 * (std::sin(slope) - friction * std::cos(slope)) / damping * time).epsilon(0.03));
+  CHECK(std::abs(way.y()) < 0.02 * way.x());
+}
+
 TEST_CASE("An organ that is struck at the tool's highest speed is not passed through", "[simulation][skin_contact]") {
   Scene scene = twoBlocks(apart + 0.008);
   scene.boundaries.back().duration = 0.01;  // 0.9 m/s
