@@ -22,7 +22,7 @@ class ResultFolder {
   explicit ResultFolder(const std::string& folder, bool with_forces = true);
 
   /// The run starts: force.csv takes the place of an earlier one, with these columns.
-  void begin(const ForceColumns& columns);
+  void begin(const ForceColumns& columns = {});
 
   /// One row of force.csv; none after one that could not be written.
   /// @param readings  of the same tick, where there are several tools or jaws

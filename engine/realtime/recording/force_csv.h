@@ -17,11 +17,12 @@ std::string forceCsvRow(const ForceSample& sample);
 
 /// What a scene's rows have beyond these.
 struct ForceColumns {
+  ForceColumns() = default;  // none
   explicit ForceColumns(const Model& model, bool follows = false);
 
   ToolSet tools;
   std::vector<std::string> rigid;  // names of rigid bodies
-  bool follows;                    // the cloud follows the tool
+  bool follows = false;            // the cloud follows the tool
 };
 
 /// Header and rows with them. Where there are several tools or jaws, each column is behind its tool's number
