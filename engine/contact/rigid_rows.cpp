@@ -155,7 +155,7 @@ void RigidRows::carryOver(const RigidBody& body, const Place& from, const Place&
 /// @return  m, the gap by its own face; `away`: it is only beside one
 double RigidRows::gapByOwnFace(const RigidShape& shape, int point, const Vec3& local, const Place& to, double gap,
                                Vec3& out) const {
-  constexpr double faced = 0.25;  // cosine, as between skins
+  constexpr double faced = 0.7;  // cosine: faces that meet at less are of one smooth surface
   const Vec3f& touched = state_->normal[point];
   if (shape.kind == RigidShape::Kind::HalfSpace || shape.kind == RigidShape::Kind::Sphere) return gap;
   if (gap >= 0 && !touched.isZero()) return gap;
