@@ -164,8 +164,9 @@ double RigidRows::gapByOwnFace(const RigidShape& shape, int point, const Vec3& l
   if (out.dot(own) >= faced) return gap;
   if (gap >= 0) return RigidShape::away;
   Vec3 normal;
-  const double by_own = gapAlong(shape, local, own, normal);
-  if (!(by_own < RigidShape::away)) return gap;
+  const Vec3 along_side = (own - own.dot(out) * out).normalized();
+  const double by_own = gapAlong(shape, local, along_side, normal);
+  if (!(by_own < RigidShape::away) || normal.dot(own) <= out.dot(own)) return gap;
   out = normal;
   return by_own;
 }
