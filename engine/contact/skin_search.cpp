@@ -53,9 +53,9 @@ constexpr double same_distance = 1e-7;
 /// face, does not touch it.
 constexpr double before_face = 0.5;
 
-/// Cosine of the angle between the normals of a vertex and of a face of another body that it may touch: what lies flat
-/// under an edge that slides over it is not met by the side beyond the edge. (Else a soft cube on a soft block stuck on
-/// slopes of twice its angle of friction, its edge in its own dent.)
+/// Cosine of the angle between the normals of a vertex and of a face of another body that it looks at, and rather
+/// touches than others: what lies flat under an edge that slides over it is not met by the side beyond the edge. (Else a
+/// soft cube on a soft block stuck on slopes of twice its angle of friction, its edge in its own dent. -0.05 does, too.)
 constexpr double facing = -0.25;
 
 /// Distances of points, or edges of the skin, by which those of the coarser skin may go into the finer: corners that
@@ -105,21 +105,20 @@ class Look {
     return scratch_.normal[v] = unit(sum);
   }
 
-  /// The nearest of the faces around a face's corners, and so on until none is nearer.
+  /// The nearest of the faces around a face's corners, and so on until none is nearer; of those that the vertex looks
+  /// at, where there are any.
   /// @param touches  then it stays on the side by which it came: no sharp edge is crossed
   Stand follow(int vertex, int face, bool touches = false) {
-    constexpr int most_moves = 32;
-    Stand best = standAt(at(vertex), face);
+    const Stand first = standAt(at(vertex), face);
     const bool is_faced = touches || isFaced(vertex, face);
-    if (is_faced && best.barycentric.minCoeff() > 0) return best;  // straight before it
-    const Stand first = best;
-    if (!is_faced) best.distance = std::numeric_limits<double>::infinity();
-    for (int move = 0; move < most_moves; ++move) {
-      const int from = best.face;
-      for (const int v : skin_.surface.triangles[from]) nearestAround(vertex, v, touches, best);
-      if (best.face == from) break;
-    }
-    return best.face == face ? first : best;
+    if (is_faced && first.barycentric.minCoeff() > 0) return first;  // straight before it
+    if (is_faced) return nearestFrom(vertex, first, touches, false);
+    Stand far = first;
+    far.distance = std::numeric_limits<double>::infinity();
+    const Stand faced = nearestFrom(vertex, far, touches, true);
+    return faced.face != face                 ? faced
+           : first.barycentric.minCoeff() > 0 ? first
+                                              : nearestFrom(vertex, first, touches, false);
   }
 
   /// Whether a vertex looks at a face of another body.
@@ -130,7 +129,7 @@ class Look {
   /// From the faces around another vertex on.
   Stand followFrom(int vertex, int other) {
     Stand best;
-    nearestAround(vertex, other, false, best);
+    nearestAround(vertex, other, false, false, best);
     return best.face < 0 ? best : follow(vertex, best.face);
   }
 
@@ -190,11 +189,22 @@ class Look {
     return stand;
   }
 
+  Stand nearestFrom(int vertex, Stand best, bool touches, bool faced) {
+    constexpr int most_moves = 32;
+    for (int move = 0; move < most_moves; ++move) {
+      const int from = best.face;
+      for (const int v : skin_.surface.triangles[from]) nearestAround(vertex, v, touches, faced, best);
+      if (best.face == from) break;
+    }
+    return best;
+  }
+
   /// Of faces at whose common edge or corner the vertex is nearest, the one that it faces.
-  void nearestAround(int vertex, int v, bool touches, Stand& best) {
+  /// @param faced  only faces that it looks at
+  void nearestAround(int vertex, int v, bool touches, bool faced, Stand& best) {
     for (const int t : facesAround(v)) {
       if (t == best.face || !isApart(vertex, t)) continue;
-      if (touches ? !areSmooth(t, best.face) : !isFaced(vertex, t)) continue;
+      if ((touches && !areSmooth(t, best.face)) || (faced && !isFaced(vertex, t))) continue;
       const Stand stand = standAt(at(vertex), t);
       if (stand.distance > best.distance + same_distance) continue;
       if (stand.distance >= best.distance - same_distance && best.face >= 0 &&
@@ -507,8 +517,7 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, Look& look, SkinC
     const bool is_beside = same ? (stand.distance > least_way && !is_before) ||
                                       gap < -(has_touched ? deepest_hold * bodies.spacing : least_way) ||
                                       (!has_touched && normal.dot(look.normalAt(v)) >= 0)
-                                : (stand.distance > way && (!is_before || (!was_inside && gap < 0))) ||
-                                      (!has_touched && !look.isFaced(v, stand.face));
+                                : stand.distance > way && (!is_before || (!was_inside && gap < 0));
     const bool is_inside = gap <= 0 && !is_beside;
     state.clearance[k] = is_inside ? inside : static_cast<float>(stand.distance);
     const bool may_touch = (same || bodies.area[v] > 0) && !is_beside &&
