@@ -583,7 +583,7 @@ SkinContactState makeSkinContactState(const SkinBodies& bodies) {
 namespace {
 
 /// Of one body's vertices, which may touch the body itself at once. (Of several bodies all may: sheets in a pile.)
-constexpr double most_folded = 0.25;
+constexpr double most_folded = 0.5;
 
 /// Of a vertex's row, a pair's: that of the vertex and those of a face beside it have most of their nodes in common.
 constexpr double pair_length = 2.5;
