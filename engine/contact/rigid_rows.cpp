@@ -17,36 +17,6 @@ constexpr float settled_on_rigid = 1e-6F;
 /// m, that nodes go until points near a body are looked for anew: in a tick at 1 m/s.
 constexpr double look_ahead = 2e-3;
 
-/// Unit, outward, of the faces around a vertex as they are; some 20 interpolations.
-Vec3 skinNormal(const SkinModel& skin, int v, const Float4* u) {
-  const SkinTopology& topology = *skin.topology;
-  Vec3 sum = Vec3::Zero();
-  for (int k = topology.face_begin[v]; k < topology.face_begin[v + 1]; ++k) {
-    const auto& [a, b, c] = skin.surface.triangles[topology.face_of[k]];
-    const Vec3 at = skinPosition(skin, a, u);
-    sum += (skinPosition(skin, b, u) - at).cross(skinPosition(skin, c, u) - at);
-  }
-  return sum.normalized();
-}
-
-/// For x in a shape whose nearest face is another than the one that it came by: the gap, m, by what it meets on its way
-/// out along a unit direction; `away` where that is no face across the direction, or too far.
-/// @param normal  unit, there
-double gapAlong(const RigidShape& shape, const Vec3& x, const Vec3& out, Vec3& normal) {
-  constexpr double across = 0.5;                                // cosine of the face's normal to the direction
-  constexpr double least_step = RigidShape::farthest_out / 32;  // along a side that is near
-  double way = 0, gap = shape.gapAt(x, normal);
-  while (gap < 0) {
-    way += std::max(-gap, least_step);
-    if (way > RigidShape::farthest_out) return RigidShape::away;
-    gap = shape.gapAt(x + way * out, normal);
-  }
-  if (!(gap < RigidShape::away)) return RigidShape::away;
-  normal = shape.normalAt(x + way * out, normal);
-  const double along = normal.dot(out);
-  return along < across ? RigidShape::away : gap - way * along;
-}
-
 }  // namespace
 
 /// Where a body is at a time.
@@ -148,29 +118,6 @@ void RigidRows::carryOver(const RigidBody& body, const Place& from, const Place&
   push(row.point, row.force - old);
 }
 
-/// What lies flat under an edge that goes over it is not met by the side beyond the edge: a point in a body goes out by
-/// the face that it looks at, or that it touched. (A box drawn over a block without friction, 3 mm deep, was held by
-/// three times its normal force.)
-/// @param out  unit, of the face that is nearest; of its own, where that is another
-/// @return  m, the gap by its own face; `away`: it is only beside one
-double RigidRows::gapByOwnFace(const RigidShape& shape, int point, const Vec3& local, const Place& to, double gap,
-                               Vec3& out) const {
-  constexpr double faced = 0.7;  // cosine: faces that meet at less are of one smooth surface
-  const Vec3f& touched = state_->normal[point];
-  if (shape.kind == RigidShape::Kind::HalfSpace || shape.kind == RigidShape::Kind::Sphere) return gap;
-  if (gap >= 0 && !touched.isZero()) return gap;
-  const Vec3 own = touched.isZero() ? Vec3(to.turn.transpose() * -skinNormal(step_.skin, vertexOf(point), step_.u))
-                                    : Vec3(touched.cast<double>());
-  if (out.dot(own) >= faced) return gap;
-  if (gap >= 0) return RigidShape::away;
-  Vec3 normal;
-  const Vec3 along_side = (own - own.dot(out) * out).normalized();
-  const double by_own = gapAlong(shape, local, along_side, normal);
-  if (!(by_own < RigidShape::away) || normal.dot(own) <= out.dot(own)) return gap;
-  out = normal;
-  return by_own;
-}
-
 /// A point's row where it touches a body, or nearly. @return whether it does
 bool RigidRows::makeRow(const RigidBody& body, const Place& from, const Place& to, int point, RigidRow& row) {
   const int v = vertexOf(point);
@@ -189,16 +136,11 @@ bool RigidRows::makeRow(const RigidBody& body, const Place& from, const Place& t
     gap = before + normal.dot(moves ? Vec3(local_end - local_start) : going);
   }
   if (!(before < RigidShape::away)) before = gap;  // it comes back from far out: slowly
-  Vec3 out = normal;
-  if (known && gap < near_gap) {
-    out = body.shape.normalAt(local_end, normal);
-    const double own = gapByOwnFace(body.shape, point, local_end, to, gap, out);
-    if (own != gap) before = gap = own;
-  }
   gap += correction;
   before += correction;
   if (!(gap < near_gap)) return false;  // nor where it is not a number
   // Along the normal of where the point was, as the tools' rows: what slides gains no energy.
+  const Vec3 out = known ? body.shape.normalAt(local_end, normal) : normal;
   const Vec3 along = state_->normal[point].isZero() ? out : state_->normal[point].cast<double>();
   state_->normal[point] = out.cast<float>();
   row.point = point;

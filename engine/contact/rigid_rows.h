@@ -31,8 +31,6 @@ class RigidRows final : public ContactGroup {
   void findNear(double reach);
   void listNear();
   bool makeRow(const RigidBody& body, const Place& from, const Place& to, int point, RigidRow& row);
-  double gapByOwnFace(const RigidShape& shape, int point, const Vec3& local, const Place& to, double gap,
-                      Vec3& out) const;
   void carryOver(const RigidBody& body, const Place& from, const Place& to, RigidRow& row);
   void letGo(int point);
 

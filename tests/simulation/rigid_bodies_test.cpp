@@ -298,32 +298,6 @@ TEST_CASE("A thin rod of a surface file presses as the same cylinder, and is tol
   CHECK(force[1] == Approx(force[0]).epsilon(0.1));
 }
 
-TEST_CASE("A box that is drawn over a block without friction is not held by its own dent", "[simulation][rigid]") {
-  Scene scene = test::blockScene(0.005);
-  scene.organs[0].size = Vec3(0.08, 0.05, 0.03);
-  scene.tools[0].position.z() = 0.2;
-  scene.dynamics.damping = 60;
-  RigidSpec box;
-  box.name = "box";
-  box.region.kind = Region::Kind::Box;
-  box.region.min = Vec3(-0.025, -0.01, 0.0301);
-  box.region.max = Vec3(-0.005, 0.01, 0.05);
-  scene.rigid = {moved(box, Vec3(0.03, 0, -0.0016), 0.6)};
-  const Model model = test::blockModel(scene);
-  State state = initialState(model);
-  Workspace workspace(model, 1);
-  Command command;
-  command.tools[0].pose = model.tools.first().start.pose;
-  double along = 0, down = 0;
-  for (int k = 0; k < 300; ++k) {
-    const Vec3 force = tick(model, state, command, workspace).rigid[0].force;
-    along = std::max(along, std::abs(force.x()));
-    down = std::max(down, -force.z());
-  }
-  CHECK(down > 0.05);
-  CHECK(along < 0.05 * down);  // met by its side it is half as much again as `down`
-}
-
 TEST_CASE("Tissue that slides to and fro on a rigid ball gains no energy", "[simulation][rigid][whole]") {
   Scene scene = test::blockScene();
   scene.tools[0].position.z() = 0.2;
