@@ -35,10 +35,10 @@ struct ForceSample {
   std::uint64_t pose_sequence = 0;     // of the hand's pose that this tick took (HandSlot)
   std::int64_t loss_count = 0;         // times that the solution was lost and the tissue went back
   int contact_count = 0;               // points of the skin that carry force
-  std::array<Vec3f, max_rigid_bodies> rigid_force{};  // N, of each rigid body on the tissue
-  bool frozen = false;                                // the watchdog stopped the tissue
-  int node_count = 0;                                 // of the place, where the cloud follows the tool; else 0
-  bool place_late = false;                            // it is not the one for where the tools are: that was not ready
+  std::array<std::array<float, 3>, max_rigid_bodies> rigid_force{};  // N, of each rigid body on the tissue
+  bool frozen = false;                                               // the watchdog stopped the tissue
+  int node_count = 0;       // of the place, where the cloud follows the tool; else 0
+  bool place_late = false;  // it is not the one for where the tools are: that was not ready
 };
 
 /// How well the loop holds its rate, up to the present tick.
