@@ -155,7 +155,8 @@ void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   force_.pose_sequence = run.pose_sequence;
   force_.loss_count = summary_.restored_count;
   force_.contact_count = report_.contact_count;
-  for (std::size_t b = 0; b < report_.rigid.size(); ++b) force_.rigid_force[b] = report_.rigid[b].force.cast<float>();
+  for (std::size_t b = 0; b < report_.rigid.size(); ++b)
+    Eigen::Map<Vec3f>(force_.rigid_force[b].data()) = report_.rigid[b].force.cast<float>();
   force_.frozen = run.frozen;
   force_.force_filtered = run.frozen ? filter_.fade() : filter_.update(force_.force_raw);
   channels_.newest_force.publish(force_);

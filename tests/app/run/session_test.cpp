@@ -96,7 +96,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   model.rigid.body.emplace_back().name = "floor";
   results.begin(ForceColumns(model));
   ForceSample sample;
-  sample.rigid_force[0].z() = 1.5F;
+  sample.rigid_force[0][2] = 1.5F;
   sample.time_s = 0.002;
   sample.depth_m = -0.0123456789;
   sample.advance_m = 0.25;
