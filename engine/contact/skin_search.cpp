@@ -582,8 +582,9 @@ SkinContactState makeSkinContactState(const SkinBodies& bodies) {
 
 namespace {
 
-/// Of one body's vertices, which may touch the body itself at once. (Of several bodies all may: sheets in a pile.)
-constexpr double most_folded = 0.5;
+/// Of the skin's vertices, which may touch at once; more where more are points that touch other bodies (sheets in a
+/// pile).
+constexpr double most_pairs = 0.5;
 
 /// Of a vertex's row, a pair's: that of the vertex and those of a face beside it have most of their nodes in common.
 constexpr double pair_length = 2.5;
@@ -610,11 +611,13 @@ SkinContactScratch::SkinContactScratch(const SkinBodies& bodies, const SkinModel
   std::array<std::array<float, 16>, 6> far_away{};
   far_away[0].fill(1e9F);
   block.assign(static_cast<std::size_t>(block_begin.back()), far_away);
-  const double share = bodies.several() ? 1 : most_folded,
-               entries = bodies.body.empty() ? 0 : static_cast<double>(skin.node.size());
-  row.resize(static_cast<std::size_t>(share * static_cast<double>(capacity)));
+  const auto others = std::count(bodies.area.begin(), bodies.area.end(), 0.0F);
+  const double points = static_cast<double>(bodies.area.size()) - static_cast<double>(others),
+               rows = std::max(points, most_pairs * static_cast<double>(capacity)),
+               mean_row = static_cast<double>(skin.node.size()) / std::max(1, skin.vertexCount());
+  row.resize(static_cast<std::size_t>(rows));
   active.resize(row.size());
-  node.resize(static_cast<std::size_t>(share * pair_length * entries));
+  node.resize(static_cast<std::size_t>(rows * pair_length * mean_row));
   N.resize(node.size());
 }
 
