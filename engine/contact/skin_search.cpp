@@ -54,8 +54,9 @@ constexpr double same_distance = 1e-7;
 constexpr double before_face = 0.5;
 
 /// Cosine of the angle between the normals of a vertex and of a face of another body that it looks at, and rather
-/// touches than others: what lies flat under an edge that slides over it is not met by the side beyond the edge. (Else a
-/// soft cube on a soft block stuck on slopes of twice its angle of friction, its edge in its own dent. -0.05 does, too.)
+/// touches than others: what lies flat under an edge that slides over it is not met by the side beyond the edge.
+/// (Else a soft cube on a soft block stuck on slopes of twice its angle of friction, its edge in its own dent. -0.05
+/// does, too.)
 constexpr double facing = -0.25;
 
 /// Distances of points, or edges of the skin, by which those of the coarser skin may go into the finer: corners that

@@ -6,7 +6,8 @@
 
 namespace palpate {
 
-/// The scene's rigid bodies. @param of_body  as addRigidBody's. Throws InputError where the organ reaches into one of them at rest.
+/// The scene's rigid bodies. Throws InputError where the organ reaches into one of them at rest.
+/// @param of_body  as addRigidBody's
 RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const SkinModel& skin,
                           const std::vector<int>& of_body, const SpacingField& spacing);
 

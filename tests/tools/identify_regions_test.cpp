@@ -27,9 +27,10 @@ const std::vector<double> start = {3000, 3000, 3000, 3000};  // Pa
 /// The block in four quarters under a tool without friction.
 std::string quarters(const std::vector<double>& young = start) {
   const auto quarter = [](const char* name, double modulus, const char* low, const char* high) {
-    return format("[[material]]\nname = \"%s\"\nmodel = \"neo-hookean\"\nyoung = %g\npoisson = 0.45\n"
-                  "region = { shape = \"box\", min = [%s, -1], max = [%s, 1] }\n",
-                  name, modulus, low, high);
+    return format(
+        "[[material]]\nname = \"%s\"\nmodel = \"neo-hookean\"\nyoung = %g\npoisson = 0.45\n"
+        "region = { shape = \"box\", min = [%s, -1], max = [%s, 1] }\n",
+        name, modulus, low, high);
   };
   const std::string text = replaced(test::touched_block_text, "young = 3000", format("young = %g", young[0]));
   return replaced(text, "[[fixed]]",
