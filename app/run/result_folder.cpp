@@ -54,7 +54,7 @@ void ResultFolder::checkForces() {
 void ResultFolder::addForce(const ForceSample& s, const ToolReadings& readings) {
   if (!with_forces_ || forces_lost_) return;
   errno = 0;
-  forces_ << forceCsvRow(s, readings, *columns_);
+  forces_ << forceCsvRow(s, readings, columns_);
   checkForces();
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <fstream>
-#include <optional>
 #include <string>
 
 #include "app/render/picture.h"
@@ -46,7 +45,7 @@ class ResultFolder {
 
   std::string folder_;
   bool with_forces_;
-  std::optional<ForceColumns> columns_;
+  ForceColumns columns_;
   bool forces_lost_ = false;  // for good: the system refused a row
   PendingFile pending_;       // force.csv
   std::ofstream forces_;

@@ -298,7 +298,7 @@ TEST_CASE("Forces that do not count from 0 are told, and the interval reaches to
     return residuals;
   });
   CHECK(found.high[0] > 4050);
-  const Remarks remarks = judge(measured, {}, false, sought, found);
+  const Remarks remarks = judge(measured, {}, sought, found);
   CHECK((found.low[0] < 4000 && 4000 < found.high[0]));
   REQUIRE(remarks.notes.size() == 1);
   CHECK_THAT(remarks.notes[0], Contains("Forces that are all 0.003 N too large"));
@@ -322,7 +322,7 @@ TEST_CASE("Depths that do not count from the touch are told, and the interval re
     return residuals;
   });
   CHECK(std::abs(found.value[0] - young) > (shift == 0 ? 0 : 0.03) * young);
-  const Remarks remarks = judge(measured, {}, false, sought, found);
+  const Remarks remarks = judge(measured, {}, sought, found);
   CAPTURE(found.value[0], found.low[0], found.high[0]);
   CHECK((found.low[0] < young && young < found.high[0]));
   std::string said;

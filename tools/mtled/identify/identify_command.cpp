@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/build_info.h"
 #include "base/nearest_word.h"
@@ -163,6 +164,14 @@ class PressedScene {
     return forces;
   }
 
+  /// Share of the force that goes while the tool is held as the measured one was; 0: it was not.
+  double fallOf(const std::vector<double>& values) const {
+    if (!(measured_.held_seconds > 0)) return 0;
+    PressWay way = press_.way;
+    way.held_seconds = measured_.held_seconds;
+    return simulateForceCurve(modelOf(press_, sought_, values, 1), way, press_.threads).fall;
+  }
+
   const ForceCurve& lastCurve() const { return last_curve_; }  // of the scene's own cloud
 
  private:
@@ -253,7 +262,7 @@ int identifyCommand(const IdentifyOptions& options) {
   const bool in_time = measured.seconds > 0 || options.seconds > 0;
   const Press press{file,
                     "material[" + std::to_string(options.material) + "]",
-                    {measured.deepest(), seconds, relaxing && in_time ? measured.held_seconds : 0},
+                    {measured.deepest(), seconds},
                     threadsOr(options.threads)};
   const std::string folder =
       options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() + "_identify" : options.out;
@@ -263,7 +272,9 @@ int identifyCommand(const IdentifyOptions& options) {
   PressedScene pressed(press, sought, measured, options.measured);
   const CoarseToFine search = searched(pressed, sought, measured, coarser);
   Identified found = search.found;
-  Remarks remarks = judge(measured, pressed.lastCurve(), relaxing && in_time, sought.parameters, found);
+  std::optional<double> fall;
+  if (relaxing && in_time) fall = pressed.fallOf(found.value);
+  Remarks remarks = judge(measured, fall, sought.parameters, found);
   const double of_cloud = pressed.lastCurve().trust.expectedError();
   widenForError(of_cloud, measured.force, sought.parameters, found);
   if (const std::string doubt = doubtOfScene(pressed.lastCurve().trust); !doubt.empty())

@@ -16,8 +16,8 @@ constexpr double most_change = 0.03;      // of a force that had settled
 
 }  // namespace
 
-Remarks judge(const MeasuredCurve& measured, const ForceCurve& simulated, bool relaxes,
-              const std::vector<SoughtParameter>& sought, Identified& found) {
+Remarks judge(const MeasuredCurve& measured, std::optional<double> fall, const std::vector<SoughtParameter>& sought,
+              Identified& found) {
   Remarks remarks;
   const double largest = *std::max_element(measured.force.begin(), measured.force.end());
   if (!found.told_apart)
@@ -51,10 +51,10 @@ Remarks judge(const MeasuredCurve& measured, const ForceCurve& simulated, bool r
                "the curve says",
                100 * found.structure / largest) +
         (shifted.empty() ? "" : "." + shifted));
-  if (relaxes) {  // change in time is the scene's own: as much of it?
+  if (fall) {  // change in time is the scene's own: as much of it?
     const bool is_noise = measured.fall == 0 && found.misfit > most_change * largest;
     if (!(measured.held_seconds > 0) || is_noise) return remarks;
-    const double apart = measured.fall - simulated.fall;
+    const double apart = measured.fall - *fall;
     std::vector<double> change;
     for (const double force : measured.force) change.push_back(-apart * force);
     widenFor(change, sought, found);
@@ -62,7 +62,7 @@ Remarks judge(const MeasuredCurve& measured, const ForceCurve& simulated, bool r
       remarks.doubts.push_back(
           format("while the tool was held the force fell by %.2g %%, and that of the scene by %.2g "
                  "%%: its \"relaxation\" is another. The interval reaches to what fits then",
-                 100 * measured.fall, 100 * simulated.fall));
+                 100 * measured.fall, 100 * *fall));
     return remarks;
   }
   if (measured.change.empty()) {

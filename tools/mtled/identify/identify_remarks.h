@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "mtled/identify/force_curve.h"
 #include "mtled/identify/identify.h"
@@ -25,9 +26,9 @@ inline nlohmann::json intervalOf(const Identified& found, const Identified& by_n
 
 /// Judges what was found by what noise can't do: residuals that are too large, or follow from row to row, and a force
 /// that changes while the tool is held or comes back another way. Widens the intervals to what these allow.
-/// @param simulated  the scene's own curve, held as the measured one was where its materials relax
-/// @param relaxes    they do, and were pressed in as fast as the measured ones
-Remarks judge(const MeasuredCurve& measured, const ForceCurve& simulated, bool relaxes,
-              const std::vector<SoughtParameter>& sought, Identified& found);
+/// @param fall  share of the scene's force that goes while its tool is held as long as the measured one was, pressed in
+///              as fast; none: its materials do not relax
+Remarks judge(const MeasuredCurve& measured, std::optional<double> fall, const std::vector<SoughtParameter>& sought,
+              Identified& found);
 
 }  // namespace palpate::tools
