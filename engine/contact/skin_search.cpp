@@ -587,8 +587,8 @@ namespace {
 /// pile).
 constexpr double most_pairs = 0.5;
 
-/// Of a vertex's row, a pair's: that of the vertex and those of a face beside it have most of their nodes in common. (2.24
-/// on three blocks, 2.36 on two cubes.)
+/// Of a vertex's row, a pair's: that of the vertex and those of a face beside it have most of their nodes in common.
+/// (2.24 on three blocks, 2.36 on two cubes.)
 constexpr double pair_length = 2.5;
 
 }  // namespace
