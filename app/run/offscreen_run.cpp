@@ -268,25 +268,40 @@ int checkLumps(const Options& options, Scene scene) {
                                  : loadAsItIs(options, scene, log);
   const double depth = workingDepth(scene);
   const std::vector<Lump> lumps = lumpsOf(*loaded.model);
+  if (const auto nowhere = outsideLump(*loaded.model))
+    throw InputError(nowhere->place, nowhere->problem, nowhere->advice);
   const std::vector<LumpFeel> feels = feelLumps(loaded.body(), depth);
-  bool felt = true;
+  bool felt = true, sure = true;
   std::cout << format("pressed %.1f mm deep by a %s of %.1f mm\n", 1e3 * depth,
                       toolType(scene.tools[0].shape.kind).title, 1e3 * scene.tools[0].shape.radius);
   for (std::size_t k = 0; k < lumps.size(); ++k) {
-    const bool clear = feels[k].ratio() >= least_feel;
-    felt &= clear;
+    const LumpFeel& feel = feels[k];
+    const bool clear = feel.ratio() >= least_feel;
+    if (feel.isSure())
+      felt &= clear;
+    else
+      sure = false;
+    const std::string wrong = misplaced(lumps[k]);
     std::cout << format(
-        "lump %d: radius %.1f mm, top %.1f mm deep, %.1f times as stiff: %.0f N/m above it, %.0f beside "
-        "it, ratio %.2f%s\n",
-        static_cast<int>(k) + 1, 1e3 * lumps[k].radius, 1e3 * lumps[k].top, lumps[k].stiffness, feels[k].above_N_per_m,
-        feels[k].beside_N_per_m, feels[k].ratio(), clear ? "" : ": can't be felt");
+        "lump %d: radius %.1f mm, %s, %.1f times as stiff: %.0f N/m above it, %.0f beside it, ratio %.2f +- %.2f%s\n",
+        static_cast<int>(k) + 1, 1e3 * lumps[k].radius,
+        wrong.empty() ? format("top %.1f mm deep", 1e3 * lumps[k].top).c_str() : wrong.c_str(), lumps[k].stiffness,
+        feel.above_N_per_m, feel.beside_N_per_m, feel.ratio(), feel.error * feel.ratio(),
+        !feel.isSure() ? ": not sure"
+        : clear        ? ""
+                       : ": can't be felt");
   }
   if (!felt)
     std::cerr << format(
-        "palpate: a lump is felt less than %.1f times as stiff as the tissue beside it; make it larger, "
+        "palpate: a lump is felt less than %.2f times as stiff as the tissue beside it; make it larger, "
         "stiffer or less deep\n",
         least_feel);
-  return felt ? exit_code::done : exit_code::differs;
+  else if (!sure)
+    std::cerr << format(
+        "palpate: whether a lump is felt %.2f times as stiff as the tissue beside it depends on the nodes; make it "
+        "larger, stiffer or less deep, or the nodes finer\n",
+        least_feel);
+  return !felt ? exit_code::differs : !sure ? exit_code::doubted : exit_code::done;
 }
 
 int comparePictures(const Options& options) {

@@ -60,12 +60,17 @@ std::string SavedFiles::state(const Model& model, const Snapshot& snapshot) cons
   return path;
 }
 
+std::vector<std::string> scoreFiles(const std::string& json_file) {
+  const std::filesystem::path file(json_file);
+  const std::string stem = file.stem().string();
+  return {file.filename().string(), stem + "-pressure.csv", stem + ".png"};
+}
+
 std::vector<std::string> writeScore(const std::string& json_file, const TaskScore& score, const SheetHead& head,
                                     const Picture& page) {
   namespace fs = std::filesystem;
   const fs::path file(json_file);
-  const std::string stem = file.stem().string();
-  std::vector<std::string> names{file.filename().string(), stem + "-pressure.csv", stem + ".png"};
+  const std::vector<std::string> names = scoreFiles(json_file);
   writeWholeFile(json_file, score.json(head, names[1]));
   writeWholeFile((file.parent_path() / names[1]).string(), score.pressureCsv());
   writePng((file.parent_path() / names[2]).string(), page);

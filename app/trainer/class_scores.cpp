@@ -22,11 +22,10 @@ using Value = nlohmann::json;
 constexpr std::size_t most_bytes = 64 << 20;
 
 // Keys of the sheet, then of its conditions.
-constexpr const char* sheet_columns[] = {"trainee",       "date",         "scene",           "scene_hash",
-                                         "level",         "seed",         "layout",          "hits",
-                                         "misses",        "false_alarms", "hardness_right",  "mean_error_mm",
-                                         "seconds",       "mean_force_N", "peak_force_N",    "seconds_above_limit",
-                                         "covered_share", "path_m",       "missed_too_light"};
+constexpr const char* sheet_columns[] = {
+    "trainee",      "date",   "scene",          "scene_hash",          "level",         "seed",    "layout",
+    "hits",         "misses", "false_alarms",   "hardness_right",      "mean_error_mm", "seconds", "mean_force_N",
+    "peak_force_N", "trust",  "expected_error", "seconds_above_limit", "covered_share", "path_m",  "missed_too_light"};
 constexpr const char* condition_columns[] = {"moved_by",      "probe",   "probe_of_scene", "friction", "rate_hz",
                                              "rate_of_scene", "changes", "undos",          "resets",   "answers_seen"};
 
@@ -53,11 +52,22 @@ Value sheetIn(const fs::path& file) {
   for (const char* key : {"hits", "misses", "false_alarms", "conditions"})
     if (!json.is_object() || !json.contains(key) || json[key].is_null())
       throw std::runtime_error(inQuotes(key) + " is not in it");
+  for (const char* key : {"hits", "misses", "false_alarms"})
+    if (!json[key].is_number_integer()) throw std::runtime_error(inQuotes(key) + " is no whole number");
   if (!json["conditions"].is_object()) throw std::runtime_error("its conditions are none");
   return json;
 }
 
 }  // namespace
+
+std::optional<std::string> traineeOf(const std::string& file) {
+  try {
+    const Value sheet = sheetIn(file);
+    if (!sheet.is_null()) return sheet.value("trainee", "");
+  } catch (const std::exception&) {  // not there, or damaged
+  }
+  return {};
+}
 
 ClassScores classScores(const std::string& folder) {
   std::error_code error;
@@ -99,7 +109,8 @@ int writeClassScores(const std::string& folder, const std::string& out) {
   if (scores.sheets == 0)
     throw InputError({folder}, "no score sheet lies below it",
                      "Submit writes score-1.json into out/<scene> of the folder that palpate was started in");
-  fs::create_directories(fs::path(file).parent_path());
+  std::error_code error;  // then the file can't be written
+  fs::create_directories(fs::path(file).parent_path(), error);
   writeWholeFile(file, scores.csv, "choose another folder with --out");
   std::cout << format("scores       %s: %d sheet%s", file.c_str(), scores.sheets, scores.sheets == 1 ? "" : "s")
             << std::endl;

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace palpate::app {
+
+/// Whose score sheet a file is, "" where that has no name; nothing where it is none.
+std::optional<std::string> traineeOf(const std::string& file);
 
 /// The score sheets of a class as one table.
 struct ClassScores {

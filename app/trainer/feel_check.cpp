@@ -46,10 +46,21 @@ SourceLocation placeOf(const Scene& scene, const Lump& lump) {
 
 double workingDepth(const Scene& scene) { return depth_per_radius * scene.tools[0].shape.radius; }
 
+std::optional<Unfelt> outsideLump(const Model& model) {
+  const std::vector<Lump> lumps = lumpsOf(model);
+  for (std::size_t k = 0; k < lumps.size(); ++k)
+    if (!lumps[k].isInside())
+      return Unfelt{placeOf(model.scene, lumps[k]),
+                    format("lump %d %s", static_cast<int>(k) + 1, misplaced(lumps[k]).c_str()),
+                    "move it below the skin"};
+  return {};
+}
+
 std::optional<Unfelt> unfeltLump(const TaskBody& body, const std::string& cache_folder,
                                  const std::function<void(double)>& progress) {
   const Model& model = *body.model;
   const std::vector<Lump> lumps = lumpsOf(model);
+  if (auto outside = outsideLump(model)) return outside;
   const std::string file = cache_folder.empty()
                                ? std::string()
                                : cache_folder + "/" + hex16(modelHash(model)) + hex16(fnv1a(buildInfo())) + ".felt";
@@ -64,17 +75,17 @@ std::optional<Unfelt> unfeltLump(const TaskBody& body, const std::string& cache_
     return Unfelt{
         placeOf(model.scene, lump),
         format("lump %d (%.0f mm across, %.1f mm below the skin, %.1f times as stiff) can't be felt: pressed %.1f mm "
-               "deep the tissue is %.2f times as stiff above it as beside it, and %.1f is needed",
+               "deep the tissue is %.2f times as stiff above it as beside it, and %.2f is needed",
                static_cast<int>(k) + 1, 2e3 * lump.radius, 1e3 * lump.top, lump.stiffness,
-               1e3 * workingDepth(model.scene), ratios[k], least_feel)};
+               1e3 * workingDepth(model.scene), ratios[k], least_feel),
+        "make it larger, stiffer or less deep; of lumps at random try another seed or a lower level"};
   }
   return {};
 }
 
 void requireFelt(const TaskBody& body, const std::string& cache_folder, const std::function<void(double)>& progress) {
   if (const std::optional<Unfelt> unfelt = unfeltLump(body, cache_folder, progress))
-    throw InputError(unfelt->place, unfelt->problem,
-                     "make it larger, stiffer or less deep; of lumps at random try another seed or a lower level");
+    throw InputError(unfelt->place, unfelt->problem, unfelt->advice);
 }
 
 }  // namespace palpate::app

@@ -5,7 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "base/number_text.h"
 #include "setup/build_model.h"
+#include "step/resolution.h"
 #include "step/step.h"
 #include "step/workspace.h"
 
@@ -41,10 +43,17 @@ class Press {
     for (int k = 1; k <= ticks; ++k) {
       depth_ = from + (depth - from) * std::min(1.0, static_cast<double>(k) / way);
       command_.tools[0].pose.position = place_.point - depth_ * place_.normal;
-      const double force = tick(model_, state_, command_, workspace_).tool_force.norm();
-      if (k > ticks - last) sum += force;
+      report_ = tick(model_, state_, command_, workspace_);
+      if (k > ticks - last) sum += report_.tool_force.norm();
     }
     return sum / last;
+  }
+
+  /// Expected of the force now, as a share.
+  double expectedError() const {
+    RunTrust trust;
+    addLast(model_, state_, report_, 0, trust);
+    return trust.expectedError();
   }
 
  private:
@@ -57,14 +66,19 @@ class Press {
   Workspace workspace_;
   State state_;
   Command command_;
+  StepReport report_;
   double depth_ = -start_gap;  // m
 };
 
-/// Slope of force over depth, N/m, of a press along the skin's normal.
-double pressSlope(const Model& model, const SkinSurface::Place& place, double depth) {
+/// Slope of force over depth of a press along the skin's normal.
+struct Slope {
+  double N_per_m = 0, error = 0;  // a share: nodes that are too stiff are so at both depths
+};
+
+Slope pressSlope(const Model& model, const SkinSurface::Place& place, double depth) {
   Press press(model, place);
   const double first = press.holdAt(slope_begin * depth), last = press.holdAt(depth);
-  return (last - first) / ((1 - slope_begin) * depth);
+  return {(last - first) / ((1 - slope_begin) * depth), press.expectedError()};
 }
 
 /// Of the places around a lump's foot, the one farthest from all lumps that faces much the same way.
@@ -100,11 +114,19 @@ std::vector<Lump> lumpsOf(const Body& model) {
     const double stiffness = spec.material.shear_modulus / materials.front().material.shear_modulus;
     if (spec.everywhere || spec.region.kind != Region::Kind::Sphere || stiffness <= 1) continue;
     Lump lump{spec.region.point, spec.region.radius, stiffness, skin.nearest(spec.region.point), 0};
-    lump.top = (lump.foot.point - lump.centre).norm() - lump.radius;
+    const Vec3 out = lump.foot.point - lump.centre;
+    lump.top = std::copysign(out.norm(), out.dot(lump.foot.normal)) - lump.radius;
     lumps.push_back(lump);
   }
   return lumps;
 }
+
+std::string misplaced(const Lump& lump) {
+  if (!lump.isInside()) return format("is %.1f mm outside of the organ", -1e3 * (lump.top + lump.radius));
+  return lump.top < 0 ? format("reaches %.1f mm out of the skin", -1e3 * lump.top) : "";
+}
+
+bool LumpFeel::isSure() const { return std::abs(ratio() - least_feel) >= error * ratio(); }
 
 std::vector<LumpFeel> feelLumps(const TaskBody& body, double depth, const std::function<void(double)>& progress) {
   const std::vector<Lump> lumps = lumpsOf(*body.model);
@@ -117,8 +139,8 @@ std::vector<LumpFeel> feelLumps(const TaskBody& body, double depth, const std::f
   };
   for (const Lump& lump : lumps) {
     const auto done = static_cast<double>(2 * feels.size());
-    const double above = slopeAt(lump.foot, done);
-    feels.push_back({above, slopeAt(besideOf(lump, lumps, skin), done + 1)});
+    const Slope above = slopeAt(lump.foot, done), beside = slopeAt(besideOf(lump, lumps, skin), done + 1);
+    feels.push_back({above.N_per_m, beside.N_per_m, std::hypot(above.error, beside.error)});
   }
   return feels;
 }

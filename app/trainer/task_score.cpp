@@ -58,6 +58,7 @@ void TaskScore::add(const ForceSample& sample) {
   if (begin_s_ < 0) begin_s_ = sample.time_s;
   seconds_ = sample.time_s - begin_s_;
   ++samples_;
+  trust_.add(sample.doubt, sample.expected_error, sample.error_force, sample.time_s);
   const double force = sample.force_raw.norm();
   if (!(force > 0) || !std::isfinite(force)) {
     lifted_ = true;
@@ -72,7 +73,8 @@ void TaskScore::add(const ForceSample& sample) {
   const double depth = std::max(0.0, sample.depth_m);
   const Vec3 foot = tip + depth * (sample.tool_pose.orientation * Vec3::UnitZ());  // about where the skin was
   for (std::size_t k = 0; k < lumps_.size(); ++k)
-    if ((lumps_[k].foot.point - foot).norm() < lumps_[k].radius) deepest_[k] = std::max(deepest_[k], depth);
+    if ((lumps_[k].foot.point - foot).norm() < lumps_[k].radius + mark_tolerance)
+      deepest_[k] = std::max(deepest_[k], depth);
   // The patch of a ball of radius R that is d deep has about the radius sqrt(R d).
   const double R = model_.scene.tools[0].shape.radius;
   const double patch = std::min(R, std::sqrt(R * std::max(depth, 1e-4)));
@@ -140,6 +142,8 @@ TaskScore::Sheet TaskScore::sheet() const {
   sheet.seconds = seconds_;
   sheet.mean_force_N = touching_ > 0 ? force_sum_ / static_cast<double>(touching_) : 0;
   sheet.peak_force_N = peak_;
+  sheet.trust = doubtName(trust_.doubt());
+  sheet.expected_error = trust_.expectedError();
   sheet.seconds_above_limit = static_cast<double>(above_limit_) / model_.scene.dynamics.rate_hz;
   sheet.path_m = length_;
   double covered = 0, reached = 0;
@@ -174,6 +178,8 @@ std::string TaskScore::json(const SheetHead& head, const std::string& pressure_f
                {"seconds", s.seconds},
                {"mean_force_N", s.mean_force_N},
                {"peak_force_N", s.peak_force_N},
+               {"trust", s.trust},
+               {"expected_error", s.expected_error},
                {"force_limit_N", force_limit},
                {"seconds_above_limit", s.seconds_above_limit},
                {"threshold_pressure_Pa", threshold_pressure},

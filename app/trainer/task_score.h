@@ -7,6 +7,7 @@
 #include "app/trainer/lumps.h"
 #include "realtime/channels/snapshot.h"
 #include "scene/scene.h"
+#include "step/trust.h"
 
 namespace palpate::app {
 
@@ -83,6 +84,8 @@ class TaskScore {
     std::optional<double> mean_error_mm;  // of the hits; null: there are none
     int hardness_right = 0;               // of the hits
     double seconds = 0, mean_force_N = 0, peak_force_N = 0, seconds_above_limit = 0;
+    std::string trust;              // of the forces: "good", or why they are doubted
+    double expected_error = 0;      // of the largest of them, as a share
     double covered_share = 0;       // of the skin that the tool gets to
     double path_m = 0;              // of the tip while it touches
     int missed_too_light = 0;       // lumps that were missed where nobody pressed to their depth
@@ -125,6 +128,7 @@ class TaskScore {
   bool lifted_ = true;              // it has not touched since
   bool path_broken_ = true;
   std::int64_t samples_ = 0, touching_ = 0, above_limit_ = 0;
+  RunTrust trust_;
   double force_sum_ = 0, peak_ = 0, seconds_ = 0, length_ = 0, begin_s_ = -1;
 };
 

@@ -326,6 +326,29 @@ TEST_CASE("What a run reads, or writes already, it does not overwrite", "[sessio
   refused(&Options::record, "press.toml", "--tool reads it");
 }
 
+TEST_CASE("The score sheet of another trainee is not overwritten, and one's own is not left to another run",
+          "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = true;
+  options.scene = folder.write("block.toml", test::touched_block_text);
+  options.out = folder.path("out");
+  options.trainee_name = "Anna";
+  openResults(options, app::readScene(options));
+  const std::string sheet = folder.write(
+      "out/score.json",
+      R"({"kind": "palpate score", "trainee": "Anna", "hits": 1, "misses": 0, "false_alarms": 0, "conditions": {}})");
+  folder.write("out/score.png", "");
+  options.trainee_name = "Ben";
+  CHECK_THROWS_WITH(openResults(options, app::readScene(options)),
+                    Catch::Contains("the score sheet of Anna lies there; name another folder with --out"));
+  CHECK(std::filesystem::exists(sheet));
+  options.trainee_name = "Anna";
+  openResults(options, app::readScene(options));
+  CHECK_FALSE(std::filesystem::exists(sheet));
+  CHECK_FALSE(std::filesystem::exists(folder.path("out/score.png")));
+}
+
 TEST_CASE("A run in real time leaves a core to others where nothing is said of threads", "[session]") {
   const TempFolder folder;
   Options options;

@@ -108,6 +108,28 @@ TEST_CASE("A lump of the first level is felt as clearly stiffer - a small deep o
   const std::vector<LumpFeel> deep =
       feelLumps(bodyOf(buildModel(scene, boxSurface(scene.organs[0].size, 0.004))), depth);
   CHECK(deep[0].ratio() < least_feel);
+  // What fine nodes say is expected to hold, what coarse ones say near the limit is not.
+  CHECK(deep[0].error > 0.01);
+  CHECK(deep[0].error < 0.2);
+  const LumpFeel coarse{1.3, 1, 0.05}, fine{1.3, 1, 0.03};
+  CHECK_FALSE(coarse.isSure());
+  CHECK(fine.isSure());
+}
+
+TEST_CASE("A lump outside of the organ is told, not taken for a deep one", "[trainer]") {
+  Scene scene = test::blockScene(0.012);
+  const double top = scene.organs[0].size.z();
+  addLump(Vec3(0, 0, top + 0.01), 0.004, 20e3, {"x.toml", 7}, scene);
+  const Model model = buildModel(scene, boxSurface(scene.organs[0].size, 0.004));
+  CHECK(misplaced(lumpsOf(model).at(0)) == "is 10.0 mm outside of the organ");
+  const std::optional<Unfelt> outside = outsideLump(model);
+  REQUIRE(outside);
+  CHECK(outside->place.line == 7);
+  Lump lump = lumpsOf(model)[0];
+  lump.top = -0.002;
+  CHECK(misplaced(lump) == "reaches 2.0 mm out of the skin");
+  lump.top = 0.002;
+  CHECK(misplaced(lump).empty());
 }
 
 TEST_CASE("Where the cloud follows the tool, a lump far from its start is felt as on nodes that are dense everywhere",
@@ -310,6 +332,10 @@ TEST_CASE("The sheets of a class become one table, other files are left alone, a
   altered["conditions"] = nullptr;
   folder.write("score-2.json", altered.dump());
   CHECK_THAT(classScores(folder.path("")).problems.at(0), Catch::Contains("\"conditions\" is not in it"));
+  altered = nlohmann::json::parse(score.json({.scene = "block"}, ""));
+  altered["hits"] = "7";
+  folder.write("score-2.json", altered.dump());
+  CHECK_THAT(classScores(folder.path("")).problems.at(0), Catch::Contains("\"hits\" is no whole number"));
   CHECK_THAT(refusal([&] { classScores(folder.path("absent")); }), Catch::Contains("absent"));
 }
 
