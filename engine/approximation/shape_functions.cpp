@@ -75,10 +75,19 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
 }
 
 std::vector<int> enlargeSupports(const std::vector<Vec3>& points, const std::vector<InadmissibleSupport>& failed,
-                                 const Neighbours& neighbours, std::vector<double>& radius) {
+                                 const Neighbours& neighbours, std::vector<double>& radius,
+                                 const SupportGroups& groups) {
+  constexpr int grown = 8;
   std::vector<int> changed;
   for (const auto& f : failed) {
-    const auto near = neighbours.nearest(points[f.row], 8);
+    std::vector<int> near;
+    for (int looked = grown; static_cast<int>(near.size()) < grown; looked *= 2) {
+      near = neighbours.nearest(points[f.row], looked);
+      const bool all = near.size() == radius.size();
+      if (!groups.row.empty()) std::erase_if(near, [&](int j) { return (groups.node[j] & groups.row[f.row]) == 0; });
+      if (all) break;
+    }
+    near.resize(std::min<std::size_t>(near.size(), grown));
     changed.insert(changed.end(), near.begin(), near.end());
   }
   std::sort(changed.begin(), changed.end());

@@ -55,9 +55,10 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
                           std::vector<InadmissibleSupport>& failed, const SupportGroups& groups = {},
                           const KnownPart& known = {}, Wanted wanted = Wanted::Gradients);
 
-/// Multiplies by 1.15 the radii of the eight nodes nearest to each failed point: sparse supports
+/// Multiplies by 1.15 the radii of the eight nodes nearest to each failed point that may carry it: sparse supports
 /// grow until they are admissible. Returns the nodes that changed.
 std::vector<int> enlargeSupports(const std::vector<Vec3>& points, const std::vector<InadmissibleSupport>& failed,
-                                 const Neighbours& neighbours, std::vector<double>& radius);
+                                 const Neighbours& neighbours, std::vector<double>& radius,
+                                 const SupportGroups& groups = {});
 
 }  // namespace palpate

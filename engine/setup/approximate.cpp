@@ -105,7 +105,7 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
                              " is inadmissible (" + std::to_string(failed.front().support_count) + " nodes)",
                          "raise discretization.support_factor or lower discretization.spacing");
       std::vector<double> mine = radius;
-      enlargeSupports(*at, failed, neighbours, mine);
+      enlargeSupports(*at, failed, neighbours, mine, {groups.of_nodes, *rows});
       for (std::size_t i = 0; i < mine.size(); ++i) enlarged[i] = std::max(enlarged[i], mine[i]);
     }
     at_hand.reset();

@@ -65,11 +65,25 @@ std::vector<std::uint8_t> dimensionsOf(const Scene& scene, const SurfaceTree& or
   if (!hasSharpInterfaces(scene)) return dimension;
   const auto material = cellMaterials(scene, organ, d.cloud.X, d.cells);
   std::vector<int> of_node(d.cloud.X.size(), -1);
+  std::vector<std::uint8_t> on_border(d.cloud.X.size(), 0);
   for (std::size_t c = 0; c < material.size(); ++c)
     for (const int i : d.cells.cells[c]) {
       if (of_node[i] < 0) of_node[i] = material[c];
-      if (of_node[i] != material[c]) dimension[i] = std::min<std::uint8_t>(dimension[i], d.cloud.on_surface[i] ? 1 : 2);
+      if (of_node[i] != material[c]) on_border[i] = 1;
     }
+  // Where a border meets a sharp edge is a corner, unless it runs along the edge: else coarse cells there reach over
+  // the border far into the other material, and have no nodes of their own.
+  const std::vector<std::uint8_t> of_surface = dimension;
+  std::vector<std::uint8_t> runs_along(d.cloud.X.size(), 0);
+  const auto isOnEdge = [&](int i) { return on_border[i] != 0 && of_surface[i] == 1; };
+  for (const auto& cell : d.cells.cells)
+    if (std::count_if(cell.begin(), cell.end(), isOnEdge) > 1)
+      for (const int i : cell) runs_along[i] = 1;
+  for (std::size_t i = 0; i < dimension.size(); ++i) {
+    if (on_border[i] == 0) continue;
+    const int border = !d.cloud.on_surface[i] ? 2 : of_surface[i] == 1 && runs_along[i] == 0 ? 0 : 1;
+    dimension[i] = std::min(dimension[i], static_cast<std::uint8_t>(border));
+  }
   return dimension;
 }
 

@@ -41,7 +41,8 @@ double spacingOfRadius(double r, double finest);
 std::vector<std::uint8_t> nodeDimensions(const NodeCloud& cloud, const FeatureEdges& features,
                                          const SpacingField& spacing);
 
-/// @param dimension  (node_count) 0 .. 3; a border between materials counts as a sheet (2), on the surface as an edge
+/// @param dimension  (node_count) 0 .. 3; a border between materials counts as a sheet (2), on the surface as an edge,
+///                   where it meets a sharp edge as a corner
 /// @param finest     the cloud's own spacing: where that (or less) is wanted all nodes are live
 /// Ties go to the lower number; equal bits at each call. Cost ~ n log n with some hundred neighbours a node.
 /// Test: discretization/nodes/nested_cloud_test.cpp

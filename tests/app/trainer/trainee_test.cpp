@@ -110,7 +110,6 @@ TEST_CASE("A lump of the first level is felt as clearly stiffer - a small deep o
   CHECK(deep[0].ratio() < least_feel);
   // What fine nodes say is expected to hold, what coarse ones say near the limit is not.
   CHECK(deep[0].error > 0.01);
-  CHECK(deep[0].error < 0.2);
   const LumpFeel coarse{1.3, 1, 0.05}, fine{1.3, 1, 0.03};
   CHECK_FALSE(coarse.isSure());
   CHECK(fine.isSure());
