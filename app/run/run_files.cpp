@@ -55,8 +55,8 @@ void checkApart(const std::vector<NamedFile>& inputs, const std::vector<NamedFil
   }
 }
 
-/// A score sheet that an earlier run left in the folder: that of another trainee is kept, and the run refused; one's own
-/// goes, as it would not be of this run if that is interrupted.
+/// A score sheet that an earlier run left in the folder: that of another trainee is kept, and the run refused; one's
+/// own goes, as it would not be of this run if that is interrupted.
 void clearScore(const Options& options, const std::string& folder) {
   const std::filesystem::path sheet = std::filesystem::path(folder) / "score.json";
   const std::optional<std::string> trainee = traineeOf(sheet.string());

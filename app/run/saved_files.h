@@ -34,8 +34,8 @@ class SavedFiles {
   std::string folder_;
 };
 
-/// The names of a score's files in their folder: the sheet as JSON, and, with the same stem, the map of pressures as CSV
-/// and a page to print as PNG.
+/// The names of a score's files in their folder: the sheet as JSON, and, with the same stem, the map of pressures as
+/// CSV and a page to print as PNG.
 std::vector<std::string> scoreFiles(const std::string& json_file);
 
 /// Writes them, and returns their names. Throws std::runtime_error with file and reason where they can't be written.

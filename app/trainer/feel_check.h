@@ -20,8 +20,8 @@ struct Unfelt {
 /// The first lump whose centre is not in the organ, if any.
 std::optional<Unfelt> outsideLump(const Model& model);
 
-/// That, or the first lump that can't be felt at the working depth (LumpFeel), if any. Each lump is pressed and the tissue
-/// beside it (about a second); what came of it is kept in `cache_folder` for the next start.
+/// That, or the first lump that can't be felt at the working depth (LumpFeel), if any. Each lump is pressed and the
+/// tissue beside it (about a second); what came of it is kept in `cache_folder` for the next start.
 /// @param cache_folder  "": nothing is kept
 /// @param progress  as feelLumps
 std::optional<Unfelt> unfeltLump(const TaskBody& body, const std::string& cache_folder,

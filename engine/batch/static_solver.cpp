@@ -202,9 +202,11 @@ Equilibrium StaticSolver::advanceTo(double time, const ToolsAt& wanted, const Wa
     }
     if (outcome != Outcome::BlownUp) {
       equilibrium.converged = outcome == Outcome::Converged;
-      equilibrium.expected_error = expectedError(model_, model_.materials, body_.u, equilibrium.strain_energy,
-                                                 PressList(equilibrium.loads), tools.posture, before_);
-      if (PressList(equilibrium.loads).count == 0) before_ = equilibrium.strain_energy;
+      PressList presses(model_, equilibrium.loads, equilibrium.rigid);
+      presses.findTouches(model_, time, body_.u);
+      equilibrium.expected_error =
+          expectedError(model_, model_.materials, body_.u, equilibrium.strain_energy, presses, tools.posture, before_);
+      if (presses.count == 0) before_ = equilibrium.strain_energy;
       if (equilibrium.expected_error > TrustLimits::expected_error)
         equilibrium.doubt = std::max(equilibrium.doubt, Doubt::Resolution);
       equilibrium.doubt = std::max(equilibrium.doubt, body_.measureDepth(time, equilibrium.rigid));

@@ -92,9 +92,10 @@ RigidState makeRigidState(const RigidBodies& bodies, int node_count);
 
 /// What a body did in one step.
 struct RigidLoad {
-  Vec3 force = Vec3::Zero();   // N, on the tissue
-  double max_penetration = 0;  // m
-  int count = 0;               // points that carry force
+  Vec3 force = Vec3::Zero();                   // N, on the tissue
+  double max_penetration = 0;                  // m
+  int count = 0;                               // points that carry force
+  double expected_error = 0, error_force = 0;  // as ToolLoad's, where it is round (pressesOf)
 };
 using RigidLoads = std::array<RigidLoad, max_rigid_bodies>;  // the first body_count count
 

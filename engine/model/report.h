@@ -36,6 +36,9 @@ enum class Doubt : std::uint8_t {
 /// A force on each of the scene's organs (Scene::organs), N.
 using OrganForces = std::array<Vec3, max_organs>;
 
+/// What presses, by one number: the tools, then the rigid bodies.
+inline constexpr int max_pressers = max_tools + max_rigid_bodies;
+
 /// One step's (or, accumulated, one tick's) outcome.
 struct StepReport {
   std::uint32_t flags = 0;
@@ -70,9 +73,9 @@ struct StepReport {
   Vec3 scaled_momentum = Vec3::Zero();  // kg m/s, of the mass that the scene's mass_scaling added
   // Of forces, as a share, because the cloud is no finer, and the force that it was found for, N: of a moment some
   // tenths of a second ago, of a whole tick only (step/resolution.h); and because that mass is accelerated. 1 and 0:
-  // nothing is known yet. Of several tools that press, of the one that is worst off.
+  // nothing is known yet. Of several tools, or round rigid bodies, that press, of what is worst off.
   double expected_error = 0, error_force = 0;
-  int error_tool = -1;  // whose; -1: of what holds the body
+  int error_by = -1;  // whose, of max_pressers; -1: of what holds the body
 
   /// A tool touches the tissue.
   bool isTouched() const {

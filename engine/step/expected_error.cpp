@@ -84,8 +84,25 @@ double storedByHertz(double force, double shear_modulus, double radius) {
   return 0.4 * force * std::pow(force / (16.0 / 3 * shear_modulus * std::sqrt(radius)), 2.0 / 3);
 }
 
+constexpr double widest_press = 4;  // nodes' distances: what is rounder than that of a rigid body holds the tissue
+
 double spacingAt(const Model& model, int node) {
   return model.support_radius[static_cast<std::size_t>(node)] / model.scene.discretization.support_factor;
+}
+
+/// What a touch goes by.
+struct TouchShape {
+  double radius = 0, ball = 0;  // m, of the whole, and of the ball that it touches as
+  bool flat = false;
+};
+
+TouchShape touchShapeOf(const Model& model, const Press& press) {
+  if (!press.isTool()) {
+    const double radius = model.rigid.body[press.rigid()].shape.radius;
+    return {radius, radius, press.flat};
+  }
+  const ToolShape& tool = model.scene.tools[press.tool()].shape;
+  return {tool.radius, touchRadius(tool), tipProfile(tool, tool.radius / 2) < 1e-3 * tool.radius};
 }
 
 }  // namespace
@@ -132,11 +149,54 @@ PressList::PressList(const ToolLoads& loads) {
       press[count++] = {static_cast<int>(t), force, -1};
 }
 
+PressList::PressList(const Model& model, const ToolLoads& loads, const RigidLoads& rigid) : PressList(loads) {
+  for (std::size_t b = 0; b < model.rigid.body.size(); ++b) {
+    const RigidBody& body = model.rigid.body[b];
+    const bool is_round = body.shape.radius > 0 && !body.encloses &&
+                          body.shape.radius < widest_press * model.scene.discretization.spacing;
+    if (const double force = rigid[b].force.norm(); is_round && force > 0)
+      press[count++] = {max_tools + static_cast<int>(b), force, -1};
+  }
+}
+
+void PressList::touch(const Model& model, int vertex, const Vec3& normal, Press& by) {
+  constexpr double along_axis = 0.7;  // cosine
+  const RigidShape& shape = model.rigid.body[by.rigid()].shape;
+  by.flat = shape.kind == RigidShape::Kind::Cylinder && std::abs(normal.dot(shape.normal)) > along_axis * normal.norm();
+  by.node = heaviestNode(model, vertex);
+}
+
+void PressList::findTouches(const Model& model, double time, const AlignedVector<Double4>& u) {
+  for (std::size_t k = 0; k < count; ++k) {
+    if (press[k].isTool()) continue;
+    const RigidBody& body = model.rigid.body[press[k].rigid()];
+    const Pose pose = body.at(time);
+    double least = RigidShape::away;
+    for (int p = body.begin; p < body.end; ++p) {
+      const auto v = static_cast<std::size_t>(model.rigid.vertex[static_cast<std::size_t>(p)]);
+      Vec3 x = model.skin.surface.vertices[v], normal;
+      for (auto e = static_cast<std::size_t>(model.skin.begin[v]);
+           e < static_cast<std::size_t>(model.skin.begin[v + 1]); ++e)
+        x += static_cast<double>(model.skin.N[e]) * toVec3(u[static_cast<std::size_t>(model.skin.node[e])]);
+      const double gap = body.shape.gapAt(pose.toLocal(x), normal);
+      if (gap >= least) continue;
+      least = gap;
+      touch(model, static_cast<int>(v), normal, press[k]);
+    }
+  }
+}
+
+int heaviestNode(const Model& model, int vertex) {
+  const auto first = model.skin.N.begin() + model.skin.begin[vertex],
+             last = model.skin.N.begin() + model.skin.begin[vertex + 1];
+  return model.skin.node[static_cast<std::size_t>(std::max_element(first, last) - model.skin.N.begin())];
+}
+
 PressErrors::PressErrors(const Model& model, std::span<const Press> presses, std::span<const Material> materials,
                          const std::vector<int>& material, bool strained)
     : count_(std::max<std::size_t>(presses.size(), 1)) {
   std::copy(presses.begin(), presses.end(), press_.begin());
-  if (press_[0].tool < 0) {
+  if (press_[0].by < 0) {
     share_[0].sums.pressed = model.surface_loads.empty() ? 0 : 1;
     return;
   }
@@ -144,18 +204,17 @@ PressErrors::PressErrors(const Model& model, std::span<const Press> presses, std
   for (std::size_t k = 0; k < count_; ++k) {
     const Press& press = press_[k];
     Share& share = share_[k];
-    const ToolShape& tool = model.scene.tools[static_cast<std::size_t>(press.tool)].shape;
-    const bool flat = tipProfile(tool, tool.radius / 2) < 1e-3 * tool.radius;
-    share.sums.pressed = flat ? c_flat : 1;
+    const TouchShape touch = touchShapeOf(model, press);
+    share.sums.pressed = touch.flat ? c_flat : 1;
     share.reach2 = std::numeric_limits<double>::infinity();
     int m = 0;
     if (press.node >= 0) {
       share.at = model.X[static_cast<std::size_t>(press.node)];
       m = material[static_cast<std::size_t>(press.node)];
-      const double reach = near_touch * (tool.radius + spacingAt(model, press.node));
+      const double reach = near_touch * (touch.radius + spacingAt(model, press.node));
       if (strained_) share.reach2 = reach * reach;
     }
-    share.stored = storedByHertz(press.force, materials[static_cast<std::size_t>(m)].shear_modulus, touchRadius(tool));
+    share.stored = storedByHertz(press.force, materials[static_cast<std::size_t>(m)].shear_modulus, touch.ball);
   }
 }
 
@@ -204,15 +263,22 @@ bool strainedBeside(const Model& model, const LiveLoads& live) {
          std::any_of(model.essential.motions.begin(), model.essential.motions.end(), moves);
 }
 
-double narrowError(const Model& model, const Material& m, std::size_t node, const ToolShape& tool, double force) {
-  const double h = spacingAt(model, static_cast<int>(node)), K = m.bulk_modulus, G = m.shear_modulus,
+double narrowError(const Model& model, const Material& m, const Press& press) {
+  const double h = spacingAt(model, press.node), K = m.bulk_modulus, G = m.shear_modulus,
                nu = (3 * K - 2 * G) / (6 * K + 2 * G), E = 2 * G / (1 - nu);
-  const ToolProfile profile = toolProfile(tool);
-  const double sine = profile.corner_count > 1 ? std::clamp(-profile.side_normal[0].z, 0.0, 0.999) : 0.0,
-               slope = sine / std::sqrt(1 - sine * sine);
-  const double square =
-                   std::max(1.25 * force * profile.rounding / (E * h * h * h), 2 * force * slope / (M_PI * E * h * h)),
-               touched = std::min(std::sqrt(square), tool.radius / h);
+  double radius = 0, rounding = 0, slope = 0;
+  if (press.isTool()) {
+    const ToolShape& tool = model.scene.tools[press.tool()].shape;
+    const ToolProfile profile = toolProfile(tool);
+    const double sine = profile.corner_count > 1 ? std::clamp(-profile.side_normal[0].z, 0.0, 0.999) : 0.0;
+    radius = tool.radius, rounding = profile.rounding, slope = sine / std::sqrt(1 - sine * sine);
+  } else {
+    radius = model.rigid.body[press.rigid()].shape.radius;
+    rounding = press.flat ? std::numeric_limits<double>::infinity() : radius;
+  }
+  const double square = std::max(1.25 * press.force * rounding / (E * h * h * h),
+                                 2 * press.force * slope / (M_PI * E * h * h)),
+               touched = std::min(std::sqrt(square), radius / h);
   return std::clamp(narrowest / touched - 1, 0.0, most_narrow);
 }
 
@@ -223,8 +289,8 @@ double expectedError(const Model& model, std::span<const Material> materials, co
   const std::vector<int> material = nodeMaterials(model);
   std::vector<Press> found(presses.begin(), presses.end());
   for (Press& press : found) {
-    const auto tool = static_cast<std::size_t>(press.tool);
-    if (press.node < 0 && tool < tips.size()) press.node = static_cast<int>(nodeAt(model, u, tips[tool].pose.position));
+    if (press.node < 0 && press.isTool() && press.tool() < tips.size())
+      press.node = static_cast<int>(nodeAt(model, u, tips[press.tool()].pose.position));
   }
   const ShapeTable& shape = model.point_shape;
   const PointGroups& groups = model.point_groups;
@@ -249,10 +315,8 @@ double expectedError(const Model& model, std::span<const Material> materials, co
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (found[k].node < 0) continue;
     const auto node = static_cast<std::size_t>(found[k].node);
-    largest = std::max(
-        largest, errors.localShare(k, strain_energy, before) *
-                     narrowError(model, materials[static_cast<std::size_t>(material[node])], node,
-                                 model.scene.tools[static_cast<std::size_t>(found[k].tool)].shape, found[k].force));
+    largest = std::max(largest, errors.localShare(k, strain_energy, before) *
+                                    narrowError(model, materials[static_cast<std::size_t>(material[node])], found[k]));
   }
   return largest;
 }

@@ -79,18 +79,23 @@ struct ErrorSums {
   double off(double strain_energy) const;
 };
 
-/// A tool that presses; what all tools of a moment press is a list of these.
+/// A tool or round rigid body that presses; what all of a moment press is a list of these.
 struct Press {
-  int tool = -1;     // of the scene; -1: none touches, and the force is that of what holds the body
-  double force = 0;  // N; of jaws the pinch, where that is more
-  int node = -1;     // where it touches; -1: not known
+  int by = -1;        // of max_pressers; -1: none touches, and the force is that of what holds the body
+  double force = 0;   // N; of jaws the pinch, where that is more
+  int node = -1;      // where it touches; -1: not known
+  bool flat = false;  // of a rigid body: by its end
+
+  bool isTool() const { return by >= 0 && by < max_tools; }
+  std::size_t tool() const { return static_cast<std::size_t>(by); }
+  std::size_t rigid() const { return static_cast<std::size_t>(by - max_tools); }
 };
 
 /// e of each of the tools that press at a moment, or, where none does, of what holds the body.
 class PressErrors {
  public:
   PressErrors() = default;
-  /// @param presses   at most max_tools; none, or one without a tool: of what holds the body
+  /// @param presses   at most max_pressers; none, or one without a tool: of what holds the body
   /// @param material  (node_count) nodeMaterials
   /// @param strained  something else strains the body (strainedBeside)
   PressErrors(const Model& model, std::span<const Press> presses, std::span<const Material> materials,
@@ -122,18 +127,21 @@ class PressErrors {
   };
   std::size_t count_ = 1;
   bool strained_ = false;
-  std::array<Press, max_tools> press_;
-  std::array<Share, max_tools> share_;
+  std::array<Press, max_pressers> press_;
+  std::array<Share, max_pressers> share_;
 };
 
 /// Of a point of a cell that each node has (node_count): index into the scene's materials.
 std::vector<int> nodeMaterials(const Model& model);
 
+/// The node that moves a vertex of the skin most.
+int heaviestNode(const Model& model, int vertex);
+
 /// Weight, surface loads, faces or rigid bodies that are moved, or what is live of these.
 bool strainedBeside(const Model& model, const LiveLoads& live = {});
 
-/// The least e of a touch that is narrower than the nodes are apart, at a node of this material.
-double narrowError(const Model& model, const Material& material, std::size_t node, const ToolShape& tool, double force);
+/// The least e of a touch that is narrower than the nodes are apart, at its node, of this material.
+double narrowError(const Model& model, const Material& material, const Press& press);
 
 /// The largest e of what presses, for a displacement. For batch: allocates.
 /// @param u              m (node_count)
@@ -145,14 +153,24 @@ double expectedError(const Model& model, std::span<const Material> materials, co
                      double strain_energy, std::span<const Press> presses = {}, std::span<const ToolPosture> tips = {},
                      double before = -1);
 
-/// Those of the tools that press, by what they feel.
+/// Those of the tools that press, by what they feel, and of the rigid bodies those that are round and no wider than
+/// that nodes far apart would matter: what is flat or wide holds the body.
 struct PressList {
-  std::array<Press, max_tools> press;
+  std::array<Press, max_pressers> press;
   std::size_t count = 0;
 
   PressList() = default;
   explicit PressList(const ToolLoads& loads);
+  PressList(const Model& model, const ToolLoads& loads, const RigidLoads& rigid);
   operator std::span<const Press>() const { return {press.data(), count}; }
+
+  /// Where a rigid body touches: the node that moves a vertex of the skin most.
+  /// @param normal  out of the body there, in its own frame, of any length
+  static void touch(const Model& model, int vertex, const Vec3& normal, Press& by);
+
+  /// Where the rigid bodies touch, of a displacement u (m, node_count) at a time (s): where the skin is deepest in
+  /// them. For batch.
+  void findTouches(const Model& model, double time, const AlignedVector<Double4>& u);
 };
 
 }  // namespace palpate

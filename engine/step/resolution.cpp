@@ -41,10 +41,45 @@ int touchedNode(const Model& model, const State& state, int tool) {
       forEachContactForce(state.contact[b], [&](int v, const Float4& force) {
         if (const double size = toVec3(force).norm(); size > most) most = size, vertex = v;
       });
-  if (vertex < 0) return -1;
-  const auto first = model.skin.N.begin() + model.skin.begin[vertex],
-             last = model.skin.N.begin() + model.skin.begin[vertex + 1];
-  return model.skin.node[static_cast<std::size_t>(std::max_element(first, last) - model.skin.N.begin())];
+  return vertex < 0 ? -1 : heaviestNode(model, vertex);
+}
+
+/// Where a rigid body presses the skin hardest.
+void findTouch(const Model& model, const RigidState& state, Press& press) {
+  const RigidBody& body = model.rigid.body[press.rigid()];
+  int hardest = -1;
+  float most = 0;
+  const auto look = [&](int p) {
+    if (p < body.begin || p >= body.end) return;
+    const Float4& f = state.force[p];
+    if (const float size = f.x * f.x + f.y * f.y + f.z * f.z; size > most) most = size, hardest = p;
+  };
+  const bool listed = state.near_count >= 0;
+  for (int k = 0; k < (listed ? state.near_count : model.rigid.pointCount()); ++k) look(listed ? state.near[k] : k);
+  if (hardest >= 0) PressList::touch(model, model.rigid.vertex[hardest], state.normal[hardest].cast<double>(), press);
+}
+
+/// What presses in a tick, with the nodes that it touches.
+PressList pressesOf(const Model& model, const State& state, const StepReport& report) {
+  PressList presses(model, report.loads, report.rigid);
+  for (std::size_t k = 0; k < presses.count; ++k) {
+    Press& press = presses.press[k];
+    if (press.isTool())
+      press.node = touchedNode(model, state, press.by);
+    else
+      findTouch(model, state.rigid, press);
+  }
+  return presses;
+}
+
+/// Where a report keeps what is known of a press.
+std::pair<double*, double*> errorOf(StepReport& report, const Press& press) {
+  if (press.isTool()) {
+    ToolLoad& load = report.loads[press.tool()];
+    return {&load.expected_error, &load.error_force};
+  }
+  RigidLoad& load = report.rigid[press.rigid()];
+  return {&load.expected_error, &load.error_force};
 }
 
 }  // namespace
@@ -79,18 +114,16 @@ void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
 
 void ResolutionWatch::advance(const Model& model, const State& state, StepReport& report) {
   watchTools(model, state);
-  PressList presses(report.loads);
-  for (std::size_t k = 0; k < presses.count; ++k)
-    presses.press[k].node = touchedNode(model, state, presses.press[k].tool);
+  const PressList presses = pressesOf(model, state, report);
   if (presses.count == 0) before_ = report.strain_energy;
-  // A tool that presses of late, or harder or less than when it was looked at.
-  bool is_new = false, other = presses.count == 0 && !(known_[max_tools].force > 0);
+  // What presses of late, or harder or less than when it was looked at.
+  bool is_new = false, other = presses.count == 0 && !(known_[max_pressers].force > 0);
   for (std::size_t k = 0; k < presses.count; ++k) {
     const Press& press = presses.press[k];
-    const double known = known_[static_cast<std::size_t>(press.tool)].force;
+    const double known = known_[static_cast<std::size_t>(press.by)].force;
     other = other || std::abs(press.force - known) > changed * known;
     is_new = is_new || (!(known > 0) && std::none_of(moment_.presses().begin(), moment_.presses().end(),
-                                                     [&](const Press& seen) { return seen.tool == press.tool; }));
+                                                     [&](const Press& seen) { return seen.by == press.by; }));
   }
   if (is_new) next_ = 0;
   if (next_ == 0) {
@@ -118,8 +151,8 @@ void ResolutionWatch::advance(const Model& model, const State& state, StepReport
     known_.fill({});
     for (std::size_t k = 0; k < moment_.presses().size(); ++k) {
       const Press& press = moment_.presses()[k];
-      known_[press.tool < 0 ? max_tools : static_cast<std::size_t>(press.tool)] = {moment_.error(k, energy_, before_),
-                                                                                   press.force};
+      known_[press.by < 0 ? max_pressers : static_cast<std::size_t>(press.by)] = {moment_.error(k, energy_, before_),
+                                                                                  press.force};
     }
   }
   tell(model, state, presses, report);
@@ -138,38 +171,37 @@ void ResolutionWatch::begin(const Model& model, const State& state, const StepRe
 }
 
 /// Of a press, when it was last looked at.
-double ResolutionWatch::localShare(int tool) const {
+double ResolutionWatch::localShare(int by) const {
   const auto presses = moment_.presses();
   for (std::size_t k = 0; k < presses.size(); ++k)
-    if (presses[k].tool == tool) return moment_.localShare(k, energy_, before_);
+    if (presses[k].by == by) return moment_.localShare(k, energy_, before_);
   return 1;
 }
 
-/// What is known of each tool that presses now, and of the worst of them; where none does, of what did last.
+/// What is known of all that presses now, and of the worst of it; where nothing does, of what did last.
 void ResolutionWatch::tell(const Model& model, const State& state, const PressList& presses, StepReport& report) const {
   Known worst;
   for (std::size_t k = 0; k < presses.count; ++k) {
     const Press& press = presses.press[k];
-    const auto tool = static_cast<std::size_t>(press.tool);
-    Known known = known_[tool];
+    Known known = known_[static_cast<std::size_t>(press.by)];
     if (!(known.force > 0)) {
       known = {1, 0};
     } else if (press.node >= 0) {
       const auto at = static_cast<std::size_t>(press.node), m = static_cast<std::size_t>(material_[at]);
-      const double narrow = localShare(press.tool) * narrowError(model, state.live.kernel.materials[m], at,
-                                                                 model.scene.tools[tool].shape, press.force);
+      const double narrow = localShare(press.by) * narrowError(model, state.live.kernel.materials[m], press);
       if (narrow > known.error) known = {narrow, press.force};
     }
     known.error = std::max(known.error, model.layer_error);
-    report.loads[tool].expected_error = known.error;
-    report.loads[tool].error_force = known.force;
-    if (k == 0 || known.error > worst.error) worst = known, report.error_tool = press.tool;
+    const auto [error, force] = errorOf(report, press);
+    *error = known.error;
+    *force = known.force;
+    if (k == 0 || known.error > worst.error) worst = known, report.error_by = press.by;
   }
   if (presses.count == 0) {
-    report.error_tool = -1;
-    worst = known_[max_tools];
-    for (std::size_t t = 0; t < max_tools; ++t)
-      if (known_[t].error > worst.error) worst = known_[t], report.error_tool = static_cast<int>(t);
+    report.error_by = -1;
+    worst = known_[max_pressers];
+    for (std::size_t p = 0; p < max_pressers; ++p)
+      if (known_[p].error > worst.error) worst = known_[p], report.error_by = static_cast<int>(p);
     worst.error = worst.force > 0 ? std::max(worst.error, model.layer_error) : 1;
   }
   report.expected_error = worst.error;
@@ -198,6 +230,7 @@ void ResolutionWatch::addScaledInertia(const Model& model, StepReport& report) {
   };
   add(report.expected_error, report.error_force);
   for (ToolLoad& load : report.loads) add(load.expected_error, load.error_force);
+  for (RigidLoad& load : report.rigid) add(load.expected_error, load.error_force);
 }
 
 void ResolutionWatch::watchTools(const Model& model, const State& state) {
@@ -217,7 +250,8 @@ void ResolutionWatch::addJerks(const Model& model, const State& state, const Pre
   const double tick = 1 / model.scene.dynamics.rate_hz;
   std::array<Jerks, max_tools> jerks = {};
   for (std::size_t k = 0; k < presses.count; ++k) {
-    const auto tool = static_cast<std::size_t>(presses.press[k].tool);
+    if (!presses.press[k].isTool()) continue;
+    const std::size_t tool = presses.press[k].tool();
     jerks[tool] = jerks_[tool];
     jerks[tool].force += tick / (smoothing + tick) * (report.loads[tool].force - jerks[tool].force);
   }
@@ -227,8 +261,8 @@ void ResolutionWatch::addJerks(const Model& model, const State& state, const Pre
   if (model.rigid.moves() || state.live.loads.any() || std::any_of(motions.begin(), motions.end(), moves)) return;
   for (std::size_t k = 0; k < presses.count; ++k) {
     const Press& press = presses.press[k];
-    const auto tool = static_cast<std::size_t>(press.tool);
-    if (press.node < 0) continue;
+    if (press.node < 0 || !press.isTool() || !(state.live.friction[press.tool()] > 0)) continue;
+    const std::size_t tool = press.tool();
     const auto at = static_cast<std::size_t>(press.node);
     const Material& material = state.live.kernel.materials[static_cast<std::size_t>(material_[at])];
     const double speed = toVec3(state.du[at]).norm() / model.dt,
@@ -240,7 +274,7 @@ void ResolutionWatch::addJerks(const Model& model, const State& state, const Pre
     ToolLoad& load = report.loads[tool];
     if (error > load.expected_error) load.expected_error = error, load.error_force = press.force;
     if (error > report.expected_error)
-      report.expected_error = error, report.error_force = press.force, report.error_tool = press.tool;
+      report.expected_error = error, report.error_force = press.force, report.error_by = press.by;
   }
 }
 
@@ -285,8 +319,8 @@ void ResolutionWatch::compare(const Model& model, std::span<const Material> mate
 }
 
 void addLast(const Model& model, const State& state, const StepReport& report, double time, RunTrust& trust) {
-  const PressList presses(report.loads);
-  // What each of several tools has of the strain, or a tool beside something else, the watch knows better.
+  const PressList presses = pressesOf(model, state, report);
+  // What each of several has of the strain, or a tool beside something else, the watch knows better.
   if (report.error_force > 0 && (presses.count > 1 || (presses.count > 0 && strainedBeside(model, state.live.loads)))) {
     trust.add(doubtOfError(report.expected_error), report, time);
     return;
@@ -299,8 +333,9 @@ void addLast(const Model& model, const State& state, const StepReport& report, d
                                                {state.tool.begin(), state.tool.end()});
   if (!std::isfinite(error)) return;
   const bool touches = presses.count > 0;
-  trust.add(doubtOfError(error), error, touches ? toolForce(report) : largestForce(report), time,
-            touches ? presses.press[0].tool : -1);
+  double force = touches ? 0 : largestForce(report);
+  for (std::size_t k = 0; k < presses.count; ++k) force = std::max(force, presses.press[k].force);
+  trust.add(doubtOfError(error), error, force, time, touches ? presses.press[0].by : -1);
 }
 
 namespace {

@@ -32,7 +32,8 @@ class ResolutionWatch {
   /// The body goes on with other nodes (place.h): what the watch before said holds until this one has seen all points.
   void goOnFrom(const ResolutionWatch& before);
 
-  /// A tick is done. Fills expected_error, error_force and error_tool of the report, and the first two of its loads.
+  /// A tick is done. Fills expected_error, error_force and error_by of the report, and the first two of its loads and
+  /// round rigid bodies.
   /// Real-time: no allocation, no lock, no throw.
   void advance(const Model& model, const State& state, StepReport& report);
 
@@ -44,7 +45,7 @@ class ResolutionWatch {
   void forget();
   void watchTools(const Model& model, const State& state);
   void begin(const Model& model, const State& state, const StepReport& report, PressList presses);
-  double localShare(int tool) const;
+  double localShare(int by) const;
   void tell(const Model& model, const State& state, const PressList& presses, StepReport& report) const;
   void addScaledInertia(const Model& model, StepReport& report);
   void addJerks(const Model& model, const State& state, const PressList& presses, StepReport& report);
@@ -66,12 +67,12 @@ class ResolutionWatch {
   std::vector<int> material_;  // (node_count) of a point beside it, index into the scene's
   std::size_t next_ = 0;       // of the points, twice over: gathered, then compared
   PressErrors moment_;
-  double energy_ = 0;                            // J, of the moment
-  double before_ = -1;                           // J, when nothing touched last; < 0: not known
-  std::array<Known, max_tools + 1> known_ = {};  // of the last moment: of tools, and of what holds the body
-  Vec3 momentum_ = Vec3::Zero();                 // kg m/s, StepReport::scaled_momentum, smoothed
-  double inertia_ = 0;                           // N, that its change takes: the largest, which falls within 0.1 s
-  bool is_new_ = true;                           // no tick was seen with these masses
+  double energy_ = 0;                               // J, of the moment
+  double before_ = -1;                              // J, when nothing touched last; < 0: not known
+  std::array<Known, max_pressers + 1> known_ = {};  // of the last moment: of what presses, and of what holds the body
+  Vec3 momentum_ = Vec3::Zero();                    // kg m/s, StepReport::scaled_momentum, smoothed
+  double inertia_ = 0;                              // N, that its change takes: the largest, which falls within 0.1 s
+  bool is_new_ = true;                              // no tick was seen with these masses
   std::array<Jerks, max_tools> jerks_ = {};
   ToolPostures tool_at_;  // a tick ago
   double quickest_ = 0;   // m/s, of the tools of late

@@ -28,15 +28,15 @@ Doubt doubtOfError(double expected_error) {
   return expected_error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None;
 }
 
-void RunTrust::note(double expected_error, double force, int tool) {
+void RunTrust::note(double expected_error, double force, int by) {
   unknown_ = unknown_ || (expected_error > 0 && force == 0);
-  Force& of = force_[tool < 0 ? max_tools : static_cast<std::size_t>(tool)];
+  Force& of = force_[by < 0 ? max_pressers : static_cast<std::size_t>(by)];
   of.largest = std::max(of.largest, force);
   of.error = std::max(of.error, expected_error * force);
 }
 
-void RunTrust::add(Doubt doubt, double expected_error, double force, double time, int tool) {
-  note(expected_error, force, tool);
+void RunTrust::add(Doubt doubt, double expected_error, double force, double time, int by) {
+  note(expected_error, force, by);
   if (doubt == Doubt::None) return;
   double& first = doubt == Doubt::Resolution ? first_unresolved_ : first_;
   if (first < 0) first = time;
@@ -47,15 +47,18 @@ void RunTrust::add(Doubt doubt, const StepReport& report, double time) {
   for (std::size_t t = 0; t < report.loads.size(); ++t)
     if (report.loads[t].expected_error > 0)
       note(report.loads[t].expected_error, report.loads[t].error_force, static_cast<int>(t));
-  add(doubt, report.expected_error, report.error_force, time, report.error_tool);
+  for (std::size_t b = 0; b < report.rigid.size(); ++b)
+    if (report.rigid[b].expected_error > 0)
+      note(report.rigid[b].expected_error, report.rigid[b].error_force, max_tools + static_cast<int>(b));
+  add(doubt, report.expected_error, report.error_force, time, report.error_by);
 }
 
 double RunTrust::expectedError() const {
   double largest = 0, worst = 0;
   for (const Force& of : force_) largest = std::max(largest, of.largest);
-  for (std::size_t t = 0; t < max_tools; ++t)
-    if (force_[t].largest > 0) worst = std::max(worst, force_[t].error / force_[t].largest);
-  return largest > 0 ? std::max(worst, force_[max_tools].error / largest) : unknown_ ? 1 : 0;
+  for (std::size_t p = 0; p < max_pressers; ++p)
+    if (force_[p].largest > 0) worst = std::max(worst, force_[p].error / force_[p].largest);
+  return largest > 0 ? std::max(worst, force_[max_pressers].error / largest) : unknown_ ? 1 : 0;
 }
 
 const char* doubtText(Doubt doubt) {

@@ -52,15 +52,15 @@ Doubt doubtNamed(std::string_view name);
 Doubt doubtOfError(double expected_error);
 
 /// What a run's or a solution's rows are worth together: the gravest of their doubts, but that of Resolution by the
-/// largest error in N over the largest force, of the tool that is worst off. First touch is never resolved, and matters
-/// little for what a press finds.
+/// largest error in N over the largest force, of the tool or rigid body that is worst off. First touch is never
+/// resolved, and matters little for what a press finds.
 class RunTrust {
  public:
   /// @param expected_error, force  as StepReport::expected_error and error_force
-  /// @param tool                   whose force that is; -1: what holds the body
-  void add(Doubt doubt, double expected_error, double force, double time, int tool = 0);
+  /// @param by                     whose force that is, of max_pressers; -1: what holds the body
+  void add(Doubt doubt, double expected_error, double force, double time, int by = 0);
 
-  /// The same of a tick, for all its tools.
+  /// The same of a tick, for all that presses.
   void add(Doubt doubt, const StepReport& report, double time);
 
   Doubt doubt() const { return gravest_ != Doubt::None || !unresolved() ? gravest_ : Doubt::Resolution; }
@@ -73,12 +73,12 @@ class RunTrust {
   struct Force {
     double error = 0, largest = 0;  // N
   };
-  void note(double expected_error, double force, int tool);
+  void note(double expected_error, double force, int by);
   bool unresolved() const { return expectedError() > TrustLimits::expected_error; }
 
   Doubt gravest_ = Doubt::None;
-  double first_ = -1, first_unresolved_ = -1;    // s
-  std::array<Force, max_tools + 1> force_ = {};  // of the tools, and of what holds the body
+  double first_ = -1, first_unresolved_ = -1;       // s
+  std::array<Force, max_pressers + 1> force_ = {};  // of what presses, and of what holds the body
   bool unknown_ = false;
 };
 

@@ -175,7 +175,7 @@ TEST_CASE("What a large tool stores, or gravity does, vouches for no small tool"
   CHECK(beside.loads[0].expected_error < 2 * expected);
   CHECK(beside.loads[1].expected_error < 0.5 * expected);  // the large one's own
   CHECK(beside.expected_error == beside.loads[0].expected_error);
-  CHECK(beside.error_tool == 0);
+  CHECK(beside.error_by == 0);
   CHECK(sagging.loads[0].expected_error > 0.4 * expected);
   CHECK(sagging.loads[0].expected_error < 3 * expected);
   for (const RunTrust* trust : {&alone, &both, &heavy}) CHECK(trust->doubt() == Doubt::Resolution);
