@@ -126,9 +126,10 @@ typedef struct palpate_state {
   double advance_m;         /* travel along the tool's first axis past first touch, or past the start where the tool
                                meets no skin that way */
   double work_J;            /* that the tool has done on the tissue */
-  double expected_error;    /* of forces, as a share, because the scene's cloud is no finer: 0.05 is 5 % off. An
-                               estimate of some tenths of a second ago; 1 while something is touched and there is none
-                               yet (tenths of a second after a touch and after a restore), with doubt "resolution" */
+  double expected_error;    /* of forces, as a share, because the scene's cloud is no finer: 0.05 is 5 % off. Of
+                               several tools, or round rigid bodies, that press, of what is worst off. An estimate
+                               of some tenths of a second ago; 1 while something is touched and there is none yet
+                               (tenths of a second after a touch and after a restore), with doubt "resolution" */
 } palpate_state;
 
 /* A parameter of a material's law, by the name that scenes give it: "young", "poisson", "mu". */

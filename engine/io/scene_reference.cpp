@@ -37,7 +37,9 @@ constexpr Section sections[] = {
      "A rigid body that the organ's skin can't enter, and tools stop at: a table, a plate, a retractor, which stands "
      "still or moves on a path. Penetration stays below 0.1 mm where nodes are dense enough (reports measure it on all "
      "of the skin); an organ that reaches up to 1 mm into it at rest is "
-     "pushed out, one that reaches further is refused. Reports have its force on the tissue by its name. With a rigid "
+     "pushed out, one that reaches further is refused. Reports have its force on the tissue by its name. A round one "
+     "presses as a tool does: where the cloud follows the tool there are nodes for it, and elsewhere its force is "
+     "doubted where the nodes are too far apart for it. With a rigid "
      "body an organ needs no `[[fixed]]`: it lies there by `gravity`, and what slides off has slid off (a reset brings "
      "it back). `mtled solve` takes it, too: a static solution without friction, and with something fixed, or it would "
      "be one of many."},

@@ -10,6 +10,8 @@
 
 #include "discretization/nodes/node_scatter.h"
 #include "discretization/surface/surface_bodies.h"
+#include "io/load_model.h"
+#include "io/scene_file.h"
 #include "setup/passage.h"
 #include "setup/place_source.h"
 #include "step/step.h"
@@ -18,6 +20,7 @@
 #include "step/workspace.h"
 #include "support/equal_models.h"
 #include "support/small_scene.h"
+#include "support/temp_folder.h"
 
 using namespace palpate;
 
@@ -496,4 +499,61 @@ TEST_CASE("A body that is small beside the tool has nodes for itself", "[place]"
   const Places places = makePlaces(scene, test::barSurface());
   CHECK(places.body[0].fine == Approx(across / 4));
   CHECK(makePlace(places, startPlace(places)).model.nodeCount() > 4 * 4 * 4);
+}
+
+TEST_CASE("A round rigid body has nodes where it touches, wherever the tools are", "[place][whole]") {
+  Scene scene = test::barScene();
+  RigidSpec ball;
+  ball.name = "ball";
+  ball.region.kind = Region::Kind::Sphere;
+  ball.region.radius = 0.004;
+  ball.region.point = Vec3(-0.04, 0, scene.organs[0].size.z() + 0.0045);
+  ball.motion.translation = Vec3(0, 0, -0.002);
+  ball.motion.duration = 1;
+  scene.rigid = {ball};
+  const auto nodesBelow = [&](const Scene& s, double x) {
+    const Places places = makePlaces(s, test::barSurface());
+    const Model model = makePlace(places, indexAt(places, Vec3(0.05, 0, 0.03))).model;
+    return std::count_if(model.X.begin(), model.X.end(), [&](const Vec3& X) {
+      return (X - Vec3(x, 0, scene.organs[0].size.z())).norm() < 2 * ball.region.radius;
+    });
+  };
+  CHECK(nodesBelow(scene, -0.04) > 100);
+  CHECK(nodesBelow(scene, -0.01) < 20);
+  scene.rigid[0].region.point.z() += 0.02;  // it stays away
+  CHECK(nodesBelow(scene, -0.04) < 20);
+}
+
+TEST_CASE("Where a seam of two materials meets an edge far from the tool both sides have their nodes",
+          "[place][whole]") {
+  const TempFolder folder;
+  const std::string file = folder.write("seam.toml", R"(
+[organ]
+solid = "box"
+size = [0.16, 0.05, 0.03]
+[[material]]
+model = "neo-hookean"
+young = 3000
+poisson = 0.45
+density = 1000
+[[material]]
+model = "neo-hookean"
+young = 3300
+poisson = 0.45
+density = 1000
+region = { shape = "half-space", point = [0, 0, 0], normal = [-1, 0, 0] }
+[[fixed]]
+shape = "near-plane"
+point = [0, 0, 0]
+normal = [0, 0, 1]
+distance = 1e-6
+[tool]
+shape = "sphere"
+radius = 0.008
+position = [-0.01, 0.004, 0.04]
+)");
+  const Scene scene = readScene(file);
+  const Places places = makePlaces(scene, organSurface(scene));
+  for (const double x : {-0.06, -0.01, 0.02, 0.06})
+    CHECK(makePlace(places, indexAt(places, Vec3(x, 0, 0.03))).model.nodeCount() > 500);
 }

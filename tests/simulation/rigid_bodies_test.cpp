@@ -248,6 +248,7 @@ TEST_CASE("A rigid sphere presses as the same sphere held by a hand", "[simulati
     REQUIRE((held.converged && pressed.converged));
     CAPTURE(of_file);
     CHECK(-pressed.rigid[0].force.z() == Approx(held.tool_force.z()).epsilon(0.01));
+    CHECK(pressed.expected_error == Approx(held.expected_error).epsilon(0.3));
   }
 }
 
@@ -292,7 +293,13 @@ TEST_CASE("A thin rod of a surface file presses as the same cylinder, and is tol
     Workspace workspace(model, 1);
     Command command;
     command.tools[0].pose = model.tools.first().start.pose;
-    for (int k = 0; k < 250; ++k) force[of_file] = -tick(model, state, command, workspace).rigid[0].force.z();
+    StepReport report;
+    for (int k = 0; k < 250; ++k) report = tick(model, state, command, workspace);
+    force[of_file] = -report.rigid[0].force.z();
+    // Nothing else presses, and its force is doubted for the nodes.
+    CHECK(report.rigid[0].expected_error > TrustLimits::expected_error);
+    CHECK(report.error_by == max_tools);
+    CHECK(doubtOf(model, report) == Doubt::Resolution);
   }
   CHECK(force[0] > 0.1);
   CHECK(force[1] == Approx(force[0]).epsilon(0.1));
