@@ -167,8 +167,9 @@ std::string staleMark(const ForceReading& force, const LoopStatus& status) {
 void drawBodyForces(const PanelData& data) {
   const Scene& scene = data.model.scene;
   const StepReport& report = data.snapshot.report;
-  const auto show = [](const std::string& name, const Vec3& force, const char* about) {
-    row(name.c_str(), format("%.3f N", force.norm()), colours::text, about);
+  const auto show = [](const std::string& name, const Vec3& force, const char* about, double error = 0) {
+    row(name.c_str(), format("%.3f N", force.norm()) + (error > 0 ? format(" \xC2\xB1%.0f %%", 100 * error) : ""),
+        error > TrustLimits::expected_error ? colours::warning : colours::text, about);
   };
   if (scene.organs.size() > 1) {
     const std::vector<OrganSpec>& organs = scene.organs;
@@ -176,7 +177,8 @@ void drawBodyForces(const PanelData& data) {
       show("On " + organs[k].name, report.organ_force[k], "force of the other organs on it");
   }
   for (std::size_t k = 0; k < scene.rigid.size(); ++k)
-    show("By " + scene.rigid[k].name, report.rigid[k].force, "force of this rigid body on the tissue");
+    show("By " + scene.rigid[k].name, report.rigid[k].force, "force of this rigid body on the tissue",
+         report.rigid[k].expected_error);
 }
 
 void drawForceCard(const Theme& theme, const PanelData& data, float height, PanelState& state, UserActions& asked) {

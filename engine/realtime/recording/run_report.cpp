@@ -84,8 +84,11 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
     for (const OrganSpec& organ : model.scene.organs)
       report.organs.push_back({organ.name, summary.organ_force[report.organs.size()]});
   report.organ_penetration_m = summary.skin_penetration;
-  for (std::size_t b = 0; b < model.rigid.body.size(); ++b)
-    report.rigid.push_back({model.rigid.body[b].name, summary.rigid[b].force, summary.rigid[b].max_penetration});
+  for (std::size_t b = 0; b < model.rigid.body.size(); ++b) {
+    const RigidLoad& load = summary.rigid[b];
+    report.rigid.push_back({model.rigid.body[b].name, load.force, load.max_penetration, {}});
+    if (load.expected_error > 0) report.rigid.back().expected_error = load.expected_error;
+  }
   report.state_hash = summary.state_hash;
   report.flags = summary.flags;
   report.doubt = summary.trust.doubt();
@@ -172,7 +175,10 @@ std::string toJson(const RunReport& r) {
   if (!r.organs.empty()) json["organ_penetration_m"] = r.organ_penetration_m;
   for (const RunReport::Rigid& body : r.rigid) {
     const Json force = listed(body.force_N);
-    json["rigid"].push_back({{"name", body.name}, {"force_N", force}, {"penetration_m", body.penetration_m}});
+    json["rigid"].push_back({{"name", body.name},
+                             {"force_N", force},
+                             {"penetration_m", body.penetration_m},
+                             {"expected_error", body.expected_error ? Json(*body.expected_error) : Json(nullptr)}});
     if (body.name != skull_name) continue;
     json["skull_force_N"] = force;
     json["skull_penetration_m"] = body.penetration_m;

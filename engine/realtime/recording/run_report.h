@@ -54,8 +54,9 @@ struct RunReport {
   double organ_penetration_m = 0;
   struct Rigid {
     std::string name;
-    Vec3 force_N = Vec3::Zero();  // on the tissue, last tick
-    double penetration_m = 0;     // the deepest
+    Vec3 force_N = Vec3::Zero();           // on the tissue, last tick
+    double penetration_m = 0;              // the deepest
+    std::optional<double> expected_error;  // of the force, as a share, where it is round and presses
   };
   std::vector<Rigid> rigid;  // where the scene has rigid bodies; else report.json has no "rigid"
   std::uint64_t state_hash = 0;
