@@ -135,7 +135,7 @@ void BatchBody::contact(double alpha, double time, Report& report) {
 Doubt BatchBody::measureDepth(double time, RigidLoads& loads) {
   if (model_.rigid.empty()) return Doubt::None;
   for (std::size_t i = 0; i < u.size(); ++i) u_float_[i] = toFloat4(toVec3(u[i]));
-  addDeepest(model_.rigid, model_.skin, u_float_.data(), time, 0, 1, loads);
+  addDeepest(model_.rigid, model_.skin, u_float_.data(), time, model_.bodies.spacing, 0, 1, loads);
   return isTooDeep(model_, loads) ? Doubt::Contact : Doubt::None;
 }
 

@@ -1,8 +1,44 @@
 #include "contact/rigid_bodies.h"
 
 #include <algorithm>
+#include <array>
 
 namespace palpate {
+namespace {
+
+/// m: how far the edges of a box are behind a face of the skin, no further than `farthest`; 0: they are not. What is
+/// narrower than the skin's points are apart goes between them.
+/// @param corner  of the face, m, in the box's frame, counterclockwise from outside
+double edgeDepth(const RigidShape& box, const std::array<Vec3, 3>& corner, double farthest) {
+  const Eigen::Array3d low = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]).array() - farthest,
+                       high = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]).array() + farthest,
+                       from = (box.point - box.half).array(), to = (box.point + box.half).array();
+  if ((low > to).any() || (high < from).any()) return 0;
+  const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
+  double deepest = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 4; ++side) {
+      Vec3 begin = box.point - box.half, way = Vec3::Zero();
+      way[axis] = 2 * box.half[axis];
+      if ((side & 1) != 0) begin[(axis + 1) % 3] += 2 * box.half[(axis + 1) % 3];
+      if ((side & 2) != 0) begin[(axis + 2) % 3] += 2 * box.half[(axis + 2) % 3];
+      double first = 0, last = 1;  // of the edge, straight before or behind the face
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 inwards = normal.cross(corner[(k + 1) % 3] - corner[k]);
+        const double at = inwards.dot(begin - corner[k]), slope = inwards.dot(way);
+        if (slope == 0 && at < 0) last = -1;
+        if (slope > 0) first = std::max(first, -at / slope);
+        if (slope < 0) last = std::min(last, -at / slope);
+      }
+      if (first > last) continue;
+      const double depth =
+          -std::min(normal.dot(begin + first * way - corner[0]), normal.dot(begin + last * way - corner[0]));
+      if (depth <= farthest) deepest = std::max(deepest, depth);
+    }
+  return deepest;
+}
+
+}  // namespace
 
 Pose RigidBody::at(double time) const {
   const double s = motion.curve.at(time, motion.duration);
@@ -14,8 +50,9 @@ bool RigidBodies::moves() const {
   return std::any_of(body.begin(), body.end(), [](const RigidBody& b) { return b.motion.moves(); });
 }
 
-void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* u, double time, int first, int stride,
-                RigidLoads& loads) {
+void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* u, double time, double farthest,
+                int first, int stride, RigidLoads& loads) {
+  const int faces = static_cast<int>(skin.surface.triangles.size());
   for (std::size_t b = 0; b < bodies.body.size(); ++b) {
     const RigidBody& body = bodies.body[b];
     if (body.encloses) continue;
@@ -24,6 +61,14 @@ void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* 
     for (int v = first; v < skin.vertexCount(); v += stride) {
       Vec3 normal;
       deepest = std::max(deepest, -body.shape.gapAt(pose.toLocal(skinPosition(skin, v, u)), normal));
+    }
+    for (int t = first; t < faces && body.shape.kind == RigidShape::Kind::Box; t += stride) {
+      const auto& [a, b_corner, c] = skin.surface.triangles[static_cast<std::size_t>(t)];
+      deepest = std::max(
+          deepest, edgeDepth(body.shape,
+                             {pose.toLocal(skinPosition(skin, a, u)), pose.toLocal(skinPosition(skin, b_corner, u)),
+                              pose.toLocal(skinPosition(skin, c, u))},
+                             farthest));
     }
     loads[b].max_penetration = std::max(loads[b].max_penetration, deepest);
   }

@@ -100,11 +100,13 @@ struct RigidLoad {
 using RigidLoads = std::array<RigidLoad, max_rigid_bodies>;  // the first body_count count
 
 /// Every `stride`-th vertex of the skin from `first` on, whether it carries force or not: how deep it is in a body that
-/// does not enclose the organ.
-/// @param time   s, where the bodies are
-/// @param loads  max_penetration of each grows to that
-/// Real-time: no allocation, no lock, no throw; an interpolation for each.
-void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* u, double time, int first, int stride,
-                RigidLoads& loads);
+/// does not enclose the organ. And of every `stride`-th face how far a box's edges are behind it, where they lie between
+/// the vertices: a blade that is narrower than the skin's points are apart.
+/// @param time      s, where the bodies are
+/// @param farthest  m behind a face, beyond which an edge is not looked at: it may be on the organ's other side
+/// @param loads     max_penetration of each grows to that
+/// Real-time: no allocation, no lock, no throw; an interpolation for each vertex, and for boxes six more.
+void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* u, double time, double farthest,
+                int first, int stride, RigidLoads& loads);
 
 }  // namespace palpate

@@ -143,13 +143,13 @@ std::vector<RefineSpec> ballsOfRigidBodies(const Scene& scene, const SurfaceTree
     const RigidShape shape = solidOf(spec.region);
     const Box3 box = spec.surface ? boundingBox(*spec.surface) : Box3();
     const Vec3 middle = spec.surface ? box.center() : shape.middle();
-    const double reach = spec.surface ? 0.5 * box.diagonal().norm() : std::hypot(radius, 0.5 * shape.height);
-    if (reach > ball.radius) continue;
+    const double half_length = spec.surface ? 0.5 * box.diagonal().norm() : std::hypot(radius, 0.5 * shape.height);
+    if (half_length > ball.radius) continue;
     const double end = motionEnd(scene);
     for (int k = 0; k <= (spec.motion.moves() ? looks : 0); ++k) {
       const Vec3 x = body.at(end * k / looks).toWorld(middle);
       ball.centre = organ.closest(x).point;
-      const bool touches = organ.inside(x) || (ball.centre - x).norm() < reach + ball.spacing;
+      const bool touches = organ.inside(x) || (ball.centre - x).norm() < half_length + ball.spacing;
       const bool is_new = std::none_of(balls.begin(), balls.end(), [&](const RefineSpec& other) {
         return (other.centre - ball.centre).norm() < 0.5 * ball.radius && other.spacing <= ball.spacing;
       });

@@ -116,7 +116,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     // Between its points too, some of the skin each tick.
     constexpr int shares = 128;  // a quarter of a second at 500 Hz, and 1 % of a tick
     addDeepest(model.rigid, model.skin, state.u.data(), static_cast<double>(state.step) * model.dt,
-               static_cast<int>(state.tick % shares), shares, total.rigid);
+               model.bodies.spacing, static_cast<int>(state.tick % shares), shares, total.rigid);
     if (isTooDeep(model, total.rigid)) total.flags |= kDeepContact;
   }
   if (model.bodies.several())
