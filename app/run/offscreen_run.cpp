@@ -88,7 +88,7 @@ RunReport blankReport(const Scene& scene) {
   if (scene.organs.size() > 1)
     for (const OrganSpec& organ : scene.organs) report.organs.push_back({organ.name, Vec3::Zero()});
   for (const BoundarySpec& boundary : scene.boundaries) report.regions.push_back({boundary.name, {}});
-  for (const RigidSpec& body : scene.rigid) report.rigid.push_back({body.name});
+  for (const RigidSpec& body : scene.rigid) report.rigid.push_back({body.name, Vec3::Zero(), 0, {}});
   return report;
 }
 
