@@ -66,7 +66,7 @@ TEST_CASE("A baseline's key that the run's report won't have is told before the 
   const std::string skull = R"("skull_penetration_m": {"value": 0, "abs": 1e-4})";
   CHECK_THAT(problem(skull), Contains("will have no \"skull_penetration_m\""));
   RunReport with_skull;
-  with_skull.rigid.push_back({"skull"});
+  with_skull.rigid.push_back({"skull", Vec3::Zero(), 0, {}});
   CHECK_NOTHROW(read(skull, with_skull));
 }
 
