@@ -6,8 +6,8 @@
 namespace palpate {
 namespace {
 
-/// m: how far the edges of a box are behind a face of the skin, no further than `farthest`; 0: they are not. What is
-/// narrower than the skin's points are apart goes between them.
+/// m: how far the edges of a box are behind a face of the skin that it does not touch, no further than `farthest`; 0:
+/// they are not. What is narrower than the skin's points are apart goes between them.
 /// @param corner  of the face, m, in the box's frame, counterclockwise from outside
 double edgeDepth(const RigidShape& box, const std::array<Vec3, 3>& corner, double farthest) {
   const Eigen::Array3d low = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]).array() - farthest,
@@ -62,13 +62,16 @@ void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* 
       Vec3 normal;
       deepest = std::max(deepest, -body.shape.gapAt(pose.toLocal(skinPosition(skin, v, u)), normal));
     }
-    for (int t = first; t < faces && body.shape.kind == RigidShape::Kind::Box; t += stride) {
-      const auto& [a, b_corner, c] = skin.surface.triangles[static_cast<std::size_t>(t)];
-      deepest = std::max(
-          deepest, edgeDepth(body.shape,
-                             {pose.toLocal(skinPosition(skin, a, u)), pose.toLocal(skinPosition(skin, b_corner, u)),
-                              pose.toLocal(skinPosition(skin, c, u))},
-                             farthest));
+    const bool is_narrow = body.shape.kind == RigidShape::Kind::Box && 2 * body.shape.half.minCoeff() < farthest / 2;
+    for (int t = first; t < faces && is_narrow; t += stride) {
+      std::array<Vec3, 3> corner;
+      bool is_free = true;  // whose corners touch is beside the edge, which is behind it as far as it is long
+      for (std::size_t k = 0; k < 3; ++k) {
+        corner[k] = pose.toLocal(skinPosition(skin, skin.surface.triangles[static_cast<std::size_t>(t)][k], u));
+        Vec3 normal;
+        is_free = is_free && body.shape.gapAt(corner[k], normal) > static_cast<double>(near_gap);
+      }
+      if (is_free) deepest = std::max(deepest, edgeDepth(body.shape, corner, farthest));
     }
     loads[b].max_penetration = std::max(loads[b].max_penetration, deepest);
   }
