@@ -127,6 +127,7 @@ int32_t palpate_settle_with(palpate_equilibrium* equilibrium, const palpate_mate
     values[static_cast<std::size_t>(wanted.entry)] = value;
     setParameter(material, {number->name, values.data(), static_cast<std::int32_t>(values.size())});
     checkMaterial(material);
+    checkMatter(material);
     material.updateModuli();
     const auto u = body.u();
     const double lacking = body.lacking();

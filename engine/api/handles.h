@@ -76,6 +76,8 @@ void setParameter(Material& material, const palpate_parameter& wanted);
 
 /// Throws Refusal where the parameters of a material don't fit each other.
 void checkMaterial(const Material& material);
+/// Refuses what is softer than any matter.
+void checkMatter(const Material& material);
 
 /// Asks the loop for something: it is done in the next tick, or now where none runs.
 std::int32_t send(palpate_simulation& simulation, const Request& request);

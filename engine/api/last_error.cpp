@@ -33,3 +33,7 @@ std::int32_t palpate::api::placeProblem(const double* x, const char* what) {
 }
 
 extern "C" const char* palpate_last_error(void) { return last.text; }
+
+extern "C" std::int32_t palpate_keep_error(std::int32_t code, const char* text) {
+  return palpate::api::refuse(code, "%s", text);
+}

@@ -23,7 +23,7 @@
  *
  * Processes: after a fork the child may use the parent's models and make simulations of its own. Its copies of the
  * parent's simulations have no threads: those that did not run can be stepped, but palpate_start is PALPATE_REFUSED
- * where the scene asks for several.
+ * where the scene asks for several. palpate_destroy leaves them alone there.
  */
 #ifndef PALPATE_H
 #define PALPATE_H
@@ -108,7 +108,7 @@ typedef struct palpate_state {
   int32_t doubt;            /* PALPATE_DOUBT_...; palpate_doubt_text says what to do */
   int32_t fresh;            /* 1: young enough for a hand (10 ms, or three periods of a slower loop); else fade out */
   int32_t frozen;           /* 1: the tissue was lost too often and stands still; palpate_reset */
-  int32_t contact_count;    /* points of the skin that carry force */
+  int32_t contact_count;    /* points of the skin that carry force, of the first tool */
   int32_t loss_count;       /* times that the solution was lost, and the tissue went back to an earlier state */
   int64_t tick;             /* ticks since create, or since a reset while stopped; 0: none yet */
   uint64_t pose_sequence;   /* of the pose that this answers, as given to palpate_set_target; those that palpate_step
@@ -168,6 +168,10 @@ PALPATE_API const char* palpate_doubt_text(int32_t doubt);
 /* Why the calling thread's last call that was not done was not: "vertex is 5000, not below 2000". "": none failed. It
  * stays until another one fails. */
 PALPATE_API const char* palpate_last_error(void);
+
+/* For libraries beside this one, as libpalpate_image: keeps `text` as why a call of this thread was not done. Returns
+ * `code`. */
+PALPATE_API int32_t palpate_keep_error(int32_t code, const char* text);
 
 /* ---- Model ---- */
 
@@ -330,8 +334,8 @@ PALPATE_API int32_t palpate_contact_points(const palpate_simulation* simulation,
 PALPATE_API int32_t palpate_reactions(const palpate_simulation* simulation, double* force, double* moment,
                                       int32_t region_count);
 
-/* (viewer) What each rigid body presses the tissue with in the newest tick, N; 0 before the first, and after a reset or
- * restore.
+/* (viewer) What each rigid body presses the tissue with in the newest tick, N; 0 before the first, and after a reset;
+ * after a restore that of the saved state.
  * @param force        (rigid_count, 3), on the tissue
  * @param rigid_count  as palpate_count says of PALPATE_RIGID */
 PALPATE_API int32_t palpate_rigid_forces(palpate_simulation* simulation, double* force, int32_t rigid_count);
@@ -432,7 +436,8 @@ PALPATE_API int32_t palpate_pull(palpate_simulation* simulation, int32_t vertex,
  * While the simulation runs on its own thread the call has a real-time thread's duties: no allocation, no lock, no wait
  * (a debug build ends the program where it has waited), and is part of the tick's time. In it, functions that change
  * the simulation are PALPATE_REFUSED but those marked (hand); those that look at it may be used, those marked (control,
- * stopped) too. */
+ * stopped) too. What a call throws in C++ ends palpate_step with PALPATE_FAILED, and the program where the simulation
+ * runs on its own thread. */
 typedef void (*palpate_tick_call)(void* user, const palpate_state* state);
 PALPATE_API int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, void* user);
 

@@ -51,10 +51,12 @@ std::size_t sizeOf(const palpate_simulation& simulation) {
       sizeof(Header) + sizeof(RunMemory) + simulation.materials.size() * sizeof(Material) + sizeof(std::uint64_t);
   const State& state = simulation.physics.state();
   forEachPart(state, [&](const void*, std::size_t bytes) { size += bytes; });
-  if (simulation.following) {                                        // the same at all places: with room for all nodes
+  if (simulation.following) {  // the same at all places: with room for all nodes, and what any points remember
     const std::size_t of_node = 3 * sizeof(Float4) + sizeof(float);  // u, du, u_low; added mass
-    const auto nodes = static_cast<std::size_t>(simulation.following->places().nodeCount());
-    size += sizeof(PlaceIndex) + (nodes - state.u.size()) * of_node;
+    const Places& places = simulation.following->places();
+    const auto nodes = static_cast<std::size_t>(places.nodeCount());
+    size += sizeof(PlaceIndex) + (nodes - state.u.size()) * of_node +
+            (places.mostRemembered(state) - state.relaxation.Z.size()) * sizeof(float);
   }
   return size;
 }

@@ -73,7 +73,12 @@ void TickCall::afterTick() {
   palpate_state state{};
   state.size = sizeof state;
   palpate_read(&of_, &state);
-  const palpate_simulation* const outer = std::exchange(in_call, &of_);
+  struct InCall {
+    explicit InCall(const palpate_simulation& of) : outer(std::exchange(in_call, &of)) {}
+    ~InCall() { in_call = outer; }  // also where the call throws
+    const palpate_simulation* const outer;
+  };
+  const InCall here(of_);
 #ifndef NDEBUG
   const long waits = waitCount();
 #endif
@@ -81,7 +86,6 @@ void TickCall::afterTick() {
 #ifndef NDEBUG
   assert((!of_.running || waitCount() == waits) && "a call of palpate_on_tick has waited");
 #endif
-  in_call = outer;
 }
 
 /// The loop takes it in the next tick; where none runs, now.
@@ -150,6 +154,12 @@ void palpate::api::checkMaterial(const Material& material) {
                 std::string(problem->parameter) + ": " + problem->problem + "; " + problem->advice);
 }
 
+void palpate::api::checkMatter(const Material& material) {
+  if (!isOfMatter(material))
+    throw Refusal(PALPATE_BAD_ARGUMENT,
+                  format("a shear modulus of %.3g Pa is that of no matter; give moduli in Pa", material.shear_modulus));
+}
+
 extern "C" {
 
 int32_t palpate_create(const palpate_model* model, palpate_simulation** simulation, palpate_error* error) {
@@ -163,7 +173,7 @@ int32_t palpate_create(const palpate_model* model, palpate_simulation** simulati
 
 void palpate_destroy(palpate_simulation* simulation) {
   if (simulation == nullptr || isInTickCall(*simulation)) return;  // a tick can't end what it is part of
-  delete simulation;
+  if (simulation->process == getpid()) delete simulation;          // else its threads are the parent's
 }
 
 int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* pose, palpate_state* state) {
@@ -231,7 +241,7 @@ int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state)
   out.tick = s.tick;
   out.pose_sequence = s.pose_sequence;
   out.time_s = s.time_s;
-  out.age_s = s.tick > 0 ? reading.age_s : 0;
+  out.age_s = s.tick > 0 && s.wall_ns > 0 ? reading.age_s : 0;
   put(s.tick > 0 ? s.tool_pose : simulation->model->tools.first().start.pose, out.pose);
   put(s.force_raw, out.force);
   put(s.force_filtered, out.force_filtered);
@@ -288,9 +298,7 @@ int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, c
                     "density can't be changed live, as the nodes' masses are made of it; load a scene "
                     "that has it");
     wanted.updateModuli();
-    if (!isOfMatter(wanted))
-      throw Refusal(PALPATE_BAD_ARGUMENT,
-                    format("a shear modulus of %.3g Pa is that of no matter; give moduli in Pa", wanted.shear_modulus));
+    checkMatter(wanted);
     if (const double excess = simulation->physics.excessOf(material, wanted); excess > 0)
       throw Refusal(PALPATE_REFUSED, "the material is " + std::to_string(excess) +
                                          " times too stiff for the time step; load a scene that has it");

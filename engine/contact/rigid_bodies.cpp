@@ -6,35 +6,30 @@
 namespace palpate {
 namespace {
 
-/// m: how far the edges of a box are behind a face of the skin that it does not touch, no further than `farthest`; 0:
-/// they are not. What is narrower than the skin's points are apart goes between them.
-/// @param corner  of the face, m, in the box's frame, counterclockwise from outside
-double edgeDepth(const RigidShape& box, const std::array<Vec3, 3>& corner, double farthest) {
+/// m: how far edges of a body are behind a face of the skin that it does not touch, no further than `farthest`; 0: they
+/// are not. What is narrower than the skin's points are apart goes between them.
+/// @param corner  of the face, m, in the body's frame, counterclockwise from outside
+double edgeDepth(const std::vector<std::array<Vec3, 2>>& edges, const std::array<Vec3, 3>& corner, double farthest) {
   const Eigen::Array3d low = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]).array() - farthest,
-                       high = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]).array() + farthest,
-                       from = (box.point - box.half).array(), to = (box.point + box.half).array();
-  if ((low > to).any() || (high < from).any()) return 0;
+                       high = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]).array() + farthest;
   const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
   double deepest = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int side = 0; side < 4; ++side) {
-      Vec3 begin = box.point - box.half, way = Vec3::Zero();
-      way[axis] = 2 * box.half[axis];
-      if ((side & 1) != 0) begin[(axis + 1) % 3] += 2 * box.half[(axis + 1) % 3];
-      if ((side & 2) != 0) begin[(axis + 2) % 3] += 2 * box.half[(axis + 2) % 3];
-      double first = 0, last = 1;  // of the edge, straight before or behind the face
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3 inwards = normal.cross(corner[(k + 1) % 3] - corner[k]);
-        const double at = inwards.dot(begin - corner[k]), slope = inwards.dot(way);
-        if (slope == 0 && at < 0) last = -1;
-        if (slope > 0) first = std::max(first, -at / slope);
-        if (slope < 0) last = std::min(last, -at / slope);
-      }
-      if (first > last) continue;
-      const double depth =
-          -std::min(normal.dot(begin + first * way - corner[0]), normal.dot(begin + last * way - corner[0]));
-      if (depth <= farthest) deepest = std::max(deepest, depth);
+  for (const auto& [begin, end] : edges) {
+    if ((low > begin.cwiseMax(end).array()).any() || (high < begin.cwiseMin(end).array()).any()) continue;
+    const Vec3 way = end - begin;
+    double first = 0, last = 1;  // of the edge, straight before or behind the face
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 inwards = normal.cross(corner[(k + 1) % 3] - corner[k]);
+      const double at = inwards.dot(begin - corner[k]), slope = inwards.dot(way);
+      if (slope == 0 && at < 0) last = -1;
+      if (slope > 0) first = std::max(first, -at / slope);
+      if (slope < 0) last = std::min(last, -at / slope);
     }
+    if (first > last) continue;
+    const auto depthAt = [&](double share) { return -normal.dot(begin + share * way - corner[0]); };
+    if (const double depth = std::max(depthAt(first), depthAt(last)); depth <= farthest)
+      deepest = std::max(deepest, depth);
+  }
   return deepest;
 }
 
@@ -62,8 +57,7 @@ void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* 
       Vec3 normal;
       deepest = std::max(deepest, -body.shape.gapAt(pose.toLocal(skinPosition(skin, v, u)), normal));
     }
-    const bool is_narrow = body.shape.kind == RigidShape::Kind::Box && 2 * body.shape.half.minCoeff() < farthest / 2;
-    for (int t = first; t < faces && is_narrow; t += stride) {
+    for (int t = first; t < faces && !body.edge.empty(); t += stride) {
       std::array<Vec3, 3> corner;
       bool is_free = true;  // whose corners touch is beside the edge, which is behind it as far as it is long
       for (std::size_t k = 0; k < 3; ++k) {
@@ -71,7 +65,7 @@ void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* 
         Vec3 normal;
         is_free = is_free && body.shape.gapAt(corner[k], normal) > static_cast<double>(near_gap);
       }
-      if (is_free) deepest = std::max(deepest, edgeDepth(body.shape, corner, farthest));
+      if (is_free) deepest = std::max(deepest, edgeDepth(body.edge, corner, farthest));
     }
     loads[b].max_penetration = std::max(loads[b].max_penetration, deepest);
   }

@@ -21,11 +21,12 @@ inline constexpr int max_rigid_bodies = 8;  // of a scene
 /// A body that the skin can't enter, which stands still or moves on a path: a table, a plate, a skull.
 struct RigidBody {
   std::string name;
-  RigidShape shape;        // at rest
-  double friction = 0;     // Coulomb
-  BoundaryMotion motion;   // a rotation, then a translation
-  bool encloses = false;   // the organ lies inside it: tools pass it
-  int begin = 0, end = 0;  // its points in RigidBodies
+  RigidShape shape;                       // at rest
+  double friction = 0;                    // Coulomb
+  BoundaryMotion motion;                  // a rotation, then a translation
+  bool encloses = false;                  // the organ lies inside it: tools pass it
+  std::vector<std::array<Vec3, 2>> edge;  // m, sharp ones, of what is narrower than the skin's points are apart
+  int begin = 0, end = 0;                 // its points in RigidBodies
 
   /// Where it is at `time` (s): x = pose.toWorld(X). Real-time.
   Pose at(double time) const;
@@ -100,12 +101,11 @@ struct RigidLoad {
 using RigidLoads = std::array<RigidLoad, max_rigid_bodies>;  // the first body_count count
 
 /// Every `stride`-th vertex of the skin from `first` on, whether it carries force or not: how deep it is in a body that
-/// does not enclose the organ. And of every `stride`-th face how far a box's edges are behind it, where they lie between
-/// the vertices: a blade that is narrower than the skin's points are apart.
+/// does not enclose the organ. And of every `stride`-th face how far the edges of a narrow body are behind it.
 /// @param time      s, where the bodies are
 /// @param farthest  m behind a face, beyond which an edge is not looked at: it may be on the organ's other side
 /// @param loads     max_penetration of each grows to that
-/// Real-time: no allocation, no lock, no throw; an interpolation for each vertex, and for boxes six more.
+/// Real-time: no allocation, no lock, no throw; an interpolation for each vertex, for narrow bodies six more.
 void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* u, double time, double farthest,
                 int first, int stride, RigidLoads& loads);
 

@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include "base/number_text.h"
+#include "discretization/surface/feature_edges.h"
+#include "discretization/surface/solids.h"
+#include "discretization/surface/surface_gaps.h"
 #include "scene/scene_messages.h"
 #include "scene/scene_regions.h"
 
@@ -31,6 +34,31 @@ double gapAtRest(const RigidSpec& spec, const RigidShape& shape, const std::opti
     return RigidShape::away;
   const double outside = surface->signedDistance(x);
   return spec.encloses ? spec.clearance - outside : outside - spec.clearance;
+}
+
+/// The sharp edges of a body narrower than the skin's points are apart where nodes are as a scene has them elsewhere.
+std::vector<std::array<Vec3, 2>> edgesOf(const RigidSpec& spec, const RigidShape& shape, double spacing) {
+  constexpr double narrow = 0.5;      // spacings: the points' distance
+  constexpr double thin_share = 0.1;  // of the skin
+  constexpr std::size_t most = 64;    // more have no edge that cuts
+  std::vector<std::array<Vec3, 2>> edges;
+  TriangleSurface surface;
+  if (spec.surface) {
+    surface = *spec.surface;
+  } else if (shape.kind == RigidShape::Kind::Box) {
+    surface = boxSurface(2 * shape.half, 2 * shape.half.maxCoeff());
+    const Vec3 middle = boundingBox(surface).center();
+    for (Vec3& x : surface.vertices) x += shape.point - middle;
+  } else {
+    return edges;
+  }
+  if (spec.encloses || spec.of_organ || !(thicknessOf(SurfaceTree(surface), thin_share) < narrow * spacing))
+    return edges;
+  for (const auto& chain : findFeatureEdges(surface).chains)
+    for (std::size_t k = 0; k + 1 < chain.points.size(); ++k)
+      edges.push_back(std::array<Vec3, 2>{chain.points[k], chain.points[k + 1]});
+  if (edges.size() > most) edges.clear();
+  return edges;
 }
 
 /// Refuses an organ that reaches into a body.
@@ -113,6 +141,7 @@ RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const Sk
     body.motion = spec.motion;
     body.encloses = spec.encloses;
     body.shape = spec.of_organ || spec.surface ? surfaceOf(scene, spec, organ) : solidOf(spec.region);
+    body.edge = edgesOf(spec, body.shape, scene.discretization.spacing);
     checkGap(spec, body.shape, organ, skin);
     const auto gap = spec.of_organ ? std::optional<double>(spec.clearance) : std::nullopt;
     addRigidBody(std::move(body), skin, of_body, spacing, gap, bodies);

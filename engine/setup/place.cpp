@@ -545,11 +545,12 @@ PlaceIndex placeAt(const Places& places, const Vec3& point) {
   return index;
 }
 
+std::size_t Places::mostRemembered(const State& state) const {
+  return most_batches * static_cast<std::size_t>(state.relaxation.term_count) * state.relaxation.batch_numbers;
+}
+
 void reserveForPlaces(const Places& places, State& state) {
-  reserveFor(
-      static_cast<std::size_t>(places.most_nodes),
-      places.most_batches * static_cast<std::size_t>(state.relaxation.term_count) * state.relaxation.batch_numbers,
-      state);
+  reserveFor(static_cast<std::size_t>(places.most_nodes), places.mostRemembered(state), state);
 }
 
 void reserveAs(const State& like, State& state) {

@@ -81,7 +81,9 @@ struct Places {
   CommonToPlaces common;
   int most_nodes = 0;            // of a place: what states have room for,
   std::size_t most_batches = 0;  // and of its points (KernelLayout)
-  std::string key;               // all that they depend on, as bytes, for a PlaceStore; empty: nothing is kept
+  /// Numbers that the points of any place remember, of what those of a state do.
+  std::size_t mostRemembered(const State& state) const;
+  std::string key;  // all that they depend on, as bytes, for a PlaceStore; empty: nothing is kept
 
   int nodeCount() const;  // of the fine clouds
 };

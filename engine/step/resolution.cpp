@@ -16,7 +16,8 @@ constexpr std::size_t points_a_tick = 64, most_ticks = 400;
 // So many times faster until there is an estimate, and while the energy is another than a sweep's by a fifth.
 constexpr std::size_t faster = 5;
 constexpr double changed = 0.2;
-constexpr double touched_energy = 1e-2;  // of Model::rest_energy, from which on a touch is looked at
+constexpr double settling_seconds = 0.1;  // after a change of place: a late one over a seam was taken for a jerk
+constexpr double touched_energy = 1e-2;   // of Model::rest_energy, from which on a touch is looked at
 
 /// The largest force that a tool has on it, N.
 double toolForce(const StepReport& report) {
@@ -108,6 +109,7 @@ void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
   before_ = before.before_;
   known_ = before.known_;
   jerks_ = before.jerks_;
+  settling_ = settling_seconds;
   tool_at_ = before.tool_at_;
   quickest_ = before.quickest_;
 }
@@ -245,30 +247,30 @@ void ResolutionWatch::watchTools(const Model& model, const State& state) {
 
 /// Skin that slips off a tool is many times as fast as any tool; where other things move it, nothing is told from that.
 void ResolutionWatch::addJerks(const Model& model, const State& state, const PressList& presses, StepReport& report) {
-  constexpr double times_as_fast = 3, of_sound = 0.02;  // of the speed of shear waves
-  constexpr double smoothing = 0.02;                    // s
+  constexpr double times_as_fast = 3, of_sound = 0.02;   // of the speed of shear waves
+  constexpr double smoothing = 0.02, longest_off = 0.1;  // s
   const double tick = 1 / model.scene.dynamics.rate_hz;
-  std::array<Jerks, max_tools> jerks = {};
-  for (std::size_t k = 0; k < presses.count; ++k) {
-    if (!presses.press[k].isTool()) continue;
-    const std::size_t tool = presses.press[k].tool();
-    jerks[tool] = jerks_[tool];
-    jerks[tool].force += tick / (smoothing + tick) * (report.loads[tool].force - jerks[tool].force);
+  for (std::size_t t = 0; t < jerks_.size(); ++t) {
+    Jerks& now = jerks_[t];
+    const bool presses_now = report.loads[t].force.squaredNorm() > 0 || report.loads[t].pinch > 0;
+    now.off = presses_now ? 0 : now.off + tick;
+    if (now.off > longest_off) now = {};
+    now.force += tick / (smoothing + tick) * (report.loads[t].force - now.force);
   }
-  jerks_ = jerks;
+  settling_ -= tick;
   const auto moves = [](const auto& motion) { return motion.moves(); };
   const auto& motions = model.essential.motions;
   if (model.rigid.moves() || state.live.loads.any() || std::any_of(motions.begin(), motions.end(), moves)) return;
   for (std::size_t k = 0; k < presses.count; ++k) {
     const Press& press = presses.press[k];
-    if (press.node < 0 || !press.isTool() || !(state.live.friction[press.tool()] > 0)) continue;
+    if (press.node < 0 || !press.isTool()) continue;
     const std::size_t tool = press.tool();
     const auto at = static_cast<std::size_t>(press.node);
     const Material& material = state.live.kernel.materials[static_cast<std::size_t>(material_[at])];
     const double speed = toVec3(state.du[at]).norm() / model.dt,
                  sound = std::sqrt(material.shear_modulus / material.density);
     Jerks& now = jerks_[tool];
-    if (speed > times_as_fast * quickest_ + of_sound * sound)
+    if (speed > times_as_fast * quickest_ + of_sound * sound && settling_ <= 0)
       now.jump = std::max(now.jump, (report.loads[tool].force - now.force).norm());
     const double error = std::min(now.jump / press.force, 2.0);
     ToolLoad& load = report.loads[tool];

@@ -55,10 +55,11 @@ class ResolutionWatch {
     double error = 0, force = 0;  // a share, and what it was found for, N
   };
 
-  /// Of a tool that touches.
+  /// Of a tool that touches, or did of late: what jerks may let go for a moment.
   struct Jerks {
     Vec3 force = Vec3::Zero();  // N, smoothed
     double jump = 0;            // N, the largest since it touched
+    double off = 0;             // s, since it let go
   };
 
   AlignedVector<Float4> u_;    // (node_count) of the moment
@@ -74,6 +75,7 @@ class ResolutionWatch {
   double inertia_ = 0;                              // N, that its change takes: the largest, which falls within 0.1 s
   bool is_new_ = true;                              // no tick was seen with these masses
   std::array<Jerks, max_tools> jerks_ = {};
+  double settling_ = 0;   // s, in which the tissue comes to rest at another place by itself
   ToolPostures tool_at_;  // a tick ago
   double quickest_ = 0;   // m/s, of the tools of late
 };

@@ -117,6 +117,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     constexpr int shares = 128;  // a quarter of a second at 500 Hz, and 1 % of a tick
     addDeepest(model.rigid, model.skin, state.u.data(), static_cast<double>(state.step) * model.dt,
                model.bodies.spacing, static_cast<int>(state.tick % shares), shares, total.rigid);
+    workspace.depth.keep(static_cast<int>(state.tick % shares) == 0, total.rigid);
     if (isTooDeep(model, total.rigid)) total.flags |= kDeepContact;
   }
   if (model.bodies.several())

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -35,6 +37,23 @@ struct ContactWorkspace {
       : skins(model.bodies, model.skin), tools(model.tools.body.size(), ContactScratch(model.skin)) {}
   SkinContactScratch skins;
   std::vector<ContactScratch> tools;  // (body_count)
+};
+
+/// How deep rigid bodies are in the skin, which is looked at by shares.
+class RigidDepth {
+ public:
+  /// @param begins  with this share a round begins
+  /// @param loads   of a tick; receive the deepest of this round and the last
+  void keep(bool begins, RigidLoads& loads) {
+    for (std::size_t b = 0; b < loads.size(); ++b) {
+      if (begins) last_[b] = std::exchange(present_[b], 0);
+      present_[b] = std::max(present_[b], loads[b].max_penetration);
+      loads[b].max_penetration = std::max(last_[b], present_[b]);
+    }
+  }
+
+ private:
+  std::array<double, max_rigid_bodies> present_{}, last_{};  // m
 };
 
 /// Scratch memory and worker threads for stepping one model. All memory is taken here.
@@ -73,6 +92,7 @@ class Workspace {
   LocalMassScratch local_mass;
   CompressionLimit compression;
   ResolutionWatch resolution;
+  RigidDepth depth;
   const AlignedVector<float> tissue_mass;  // (node_count) kg, that live loads accelerate
   SurfaceLoadScratch surface_loads;
   VertexValues pin_force;  // N, of LiveLoads::pins on the tissue in the last step

@@ -128,3 +128,17 @@ TEST_CASE("Fields, equilibria and saved states of a cloud that follows are those
   palpate_equilibrium_destroy(settled);
   palpate_points_destroy(points);
 }
+
+TEST_CASE("A saved state has the same size at all places, also of tissue that relaxes", "[api][following][whole]") {
+  const ModelHandle model = loadBlock(replaced(bar_text, "[[material]]", "[[material]]\nrelaxation = [[0.3, 0.1]]"));
+  const palpate_model_info info = describe(model);
+  const SimulationHandle simulation = create(model), other = create(model);
+  for (int k = 1; k <= drag_ticks; ++k)
+    REQUIRE(palpate_step(simulation.get(), 1, dragPose(info, k).data(), nullptr) == PALPATE_OK);
+  REQUIRE(simulation->physics.place()->place.index != model->places->start()->index);
+  std::vector<char> saved(palpate_save_size(other.get()));
+  REQUIRE(palpate_save(simulation.get(), saved.data(), saved.size()) == PALPATE_OK);
+  auto error = sized<palpate_error>();
+  REQUIRE(palpate_restore(other.get(), saved.data(), saved.size(), &error) == PALPATE_OK);
+  CHECK(hashOf(other) == hashOf(simulation));
+}

@@ -79,6 +79,20 @@ TEST_CASE("A call after each tick has its outcome, and changes nothing by being 
   CHECK(palpate_on_tick(nullptr, keep, &seen) == PALPATE_BAD_ARGUMENT);
 }
 
+TEST_CASE("A call that throws ends its step, and no more", "[api][tick_call]") {
+  const ModelHandle model = loadBlock();
+  const SimulationHandle simulation = create(model);
+  REQUIRE(palpate_on_tick(
+              simulation.get(), [](void*, const palpate_state*) { throw std::runtime_error("no more"); }, nullptr) ==
+          PALPATE_OK);
+  CHECK(palpate_step(simulation.get(), 3, nullptr, nullptr) == PALPATE_FAILED);
+  CHECK(std::string(palpate_last_error()) == "no more");
+  REQUIRE(palpate_on_tick(simulation.get(), nullptr, nullptr) == PALPATE_OK);
+  auto state = sized<palpate_state>();
+  CHECK(palpate_step(simulation.get(), 1, nullptr, &state) == PALPATE_OK);
+  CHECK(state.tick == 2);
+}
+
 TEST_CASE("In such a call all may be asked and nothing changed, stepped or running", "[api][tick_call]") {
   const ModelHandle model = loadBlock();
   const palpate_model_info info = describe(model);

@@ -305,6 +305,34 @@ TEST_CASE("A thin rod of a surface file presses as the same cylinder, and is tol
   CHECK(force[1] == Approx(force[0]).epsilon(0.1));
 }
 
+TEST_CASE("A blade that goes between the points of the skin is doubted, as a region and as a file",
+          "[simulation][rigid]") {
+  Scene scene = test::blockScene(0.012);
+  scene.tools[0].position.z() = 0.2;
+  RigidSpec blade;
+  blade.name = "blade";
+  blade.region.kind = Region::Kind::Box;
+  const double top = scene.organs[0].size.z();
+  blade.region.min = Vec3(0.0011, -0.1, top + 0.0005);
+  blade.region.max = Vec3(0.0016, 0.1, top + 0.02);
+  for (const bool of_file : {false, true}) {
+    CAPTURE(of_file);
+    if (of_file) {
+      TriangleSurface surface = boxSurface(blade.region.max - blade.region.min, 1);
+      const Vec3 shift = 0.5 * (blade.region.min + blade.region.max) - boundingBox(surface).center();
+      for (Vec3& x : surface.vertices) x += shift;
+      blade.surface = std::make_shared<const TriangleSurface>(std::move(surface));
+    }
+    scene.rigid = {moved(blade, Vec3(0, 0, -0.0045), 0.2)};
+    const Model model = test::blockModel(scene);
+    Run run(model);
+    const StepReport report = run.ticks(400);
+    CHECK(report.rigid[0].force.norm() < 0.05);  // it should be some tenths of a newton
+    CHECK(report.rigid[0].max_penetration > 0.003);
+    CHECK(doubtOf(model, report) == Doubt::Contact);
+  }
+}
+
 TEST_CASE("Tissue that slides to and fro on a rigid ball gains no energy", "[simulation][rigid][whole]") {
   Scene scene = test::blockScene();
   scene.tools[0].position.z() = 0.2;
