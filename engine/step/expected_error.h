@@ -39,9 +39,9 @@ namespace palpate {
 // (bent: 1 to 2 % for 0.3). Below the edge of a flat end stress has no bound, and means see less of it: e times c_flat.
 // Of several tools, or rigid bodies that are round, each has the points that lie nearest to where it touches, and its
 // share of W, as what their forces store by Hertz, 2/5 F d. Where something else strains the body, too (weight, loads,
-// faces that are moved), most of W may have nothing to do with a tool: then only points near it count, within 3 (R + h),
-// and of W what it stores more than before it touched, but at least by Hertz, at most 4 times that: loads, too, may have
-// changed since.
+// faces that are moved), most of W may have nothing to do with a tool: then only points near it count, within
+// 3 (R + h), and of W what it stores more than before it touched, but at least by Hertz, at most 4 times that: loads,
+// too, may have changed since.
 // Wherever the cloud is too coarse counts: below a small tool, in a thin layer, at a bonded edge. Measured on scenes
 // drawn by lot (`mtled verify matrix`, engine/mechanics/README.md); an estimate, no bound.
 
