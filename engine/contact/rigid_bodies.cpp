@@ -6,14 +6,16 @@
 namespace palpate {
 namespace {
 
-/// m: how far edges of a body are behind a face of the skin that it does not touch, no further than `farthest`; 0: they
-/// are not. What is narrower than the skin's points are apart goes between them.
+/// m: how far edges of a body are behind a face of the skin, no further than `farthest`; 0: they are not. What is
+/// narrower than the skin's points are apart goes between them. Of a face whose corners it touches a second edge has to
+/// be as deep: one that the body stands beside is behind it as far as it is long.
 /// @param corner  of the face, m, in the body's frame, counterclockwise from outside
-double edgeDepth(const std::vector<std::array<Vec3, 2>>& edges, const std::array<Vec3, 3>& corner, double farthest) {
+double edgeDepth(const std::vector<std::array<Vec3, 2>>& edges, const std::array<Vec3, 3>& corner, bool touches,
+                 double farthest) {
   const Eigen::Array3d low = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]).array() - farthest,
                        high = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]).array() + farthest;
   const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
-  double deepest = 0;
+  double deepest = 0, second = 0;
   for (const auto& [begin, end] : edges) {
     if ((low > begin.cwiseMax(end).array()).any() || (high < begin.cwiseMin(end).array()).any()) continue;
     const Vec3 way = end - begin;
@@ -27,10 +29,12 @@ double edgeDepth(const std::vector<std::array<Vec3, 2>>& edges, const std::array
     }
     if (first > last) continue;
     const auto depthAt = [&](double share) { return -normal.dot(begin + share * way - corner[0]); };
-    if (const double depth = std::max(depthAt(first), depthAt(last)); depth <= farthest)
-      deepest = std::max(deepest, depth);
+    const double depth = std::max(depthAt(first), depthAt(last));
+    if (depth > farthest) continue;
+    second = std::max(second, std::min(depth, deepest));
+    deepest = std::max(deepest, depth);
   }
-  return deepest;
+  return touches ? second : deepest;
 }
 
 }  // namespace
@@ -59,13 +63,13 @@ void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* 
     }
     for (int t = first; t < faces && !body.edge.empty(); t += stride) {
       std::array<Vec3, 3> corner;
-      bool is_free = true;  // whose corners touch is beside the edge, which is behind it as far as it is long
+      bool touches = false;
       for (std::size_t k = 0; k < 3; ++k) {
         corner[k] = pose.toLocal(skinPosition(skin, skin.surface.triangles[static_cast<std::size_t>(t)][k], u));
         Vec3 normal;
-        is_free = is_free && body.shape.gapAt(corner[k], normal) > static_cast<double>(near_gap);
+        touches = touches || body.shape.gapAt(corner[k], normal) <= static_cast<double>(near_gap);
       }
-      if (is_free) deepest = std::max(deepest, edgeDepth(body.edge, corner, farthest));
+      deepest = std::max(deepest, edgeDepth(body.edge, corner, touches, farthest));
     }
     loads[b].max_penetration = std::max(loads[b].max_penetration, deepest);
   }
