@@ -241,10 +241,10 @@ void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache, Te
                  "Put all score sheets (JSON) below DIR into one table, DIR/scores.csv, or that of --out, e.g. palpate "
                  "--scores out")
       ->type_name("DIR");
-  app.add_flag(
-      "--check-lumps", o.check_lumps,
-      "Tell how clearly each lump is felt at the working depth; exit with code 5 where one is not, e.g. palpate "
-      "lump_liver --check-lumps");
+  app.add_flag("--check-lumps", o.check_lumps,
+               "Tell how clearly each lump is felt at the working depth; exit with code 5 where one is not, 3 where "
+               "that depends "
+               "on the nodes, e.g. palpate lump_liver --check-lumps");
   app.add_option("--threads", o.threads, "Physics threads instead of the scene's number, e.g. --threads 2")
       ->type_name("N")
       ->check(numberWithin(1, 64, "threads"));
