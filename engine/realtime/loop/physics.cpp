@@ -126,6 +126,7 @@ void TissuePhysics::putIn(const State& state) {
 
 void TissuePhysics::forgetLastTick() {
   workspace_->resolution.restart();
+  workspace_->depth = {};
   std::vector<Reaction>& reactions = workspace_->boundary.reaction;
   std::fill(reactions.begin(), reactions.end(), Reaction{});
   workspace_->pin_force = {};
