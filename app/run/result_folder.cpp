@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "app/run/saved_files.h"
 #include "io/output_file.h"
 
 namespace palpate::app {
@@ -37,6 +38,7 @@ ResultFolder::ResultFolder(const std::string& folder, bool with_forces)
 
 void ResultFolder::begin(const ForceColumns& columns) {
   columns_ = columns;
+  removeScore(fileNamed("score.json"));
   if (with_forces_) {
     errno = 0;
     forces_ << forceCsvHeader(columns).substr(common_columns) << std::flush;

@@ -20,7 +20,8 @@ class ResultFolder {
   /// @param with_forces  false: no force.csv; addForce does nothing
   explicit ResultFolder(const std::string& folder, bool with_forces = true);
 
-  /// The run starts: force.csv takes the place of an earlier one, with these columns.
+  /// The run starts: force.csv takes the place of an earlier one, with these columns, and an earlier score sheet goes,
+  /// which would not be of this run if that is interrupted.
   void begin(const ForceColumns& columns = {});
 
   /// One row of force.csv; none after one that could not be written.

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "app/run/saved_files.h"
 #include "app/trainer/class_scores.h"
 #include "base/input_error.h"
 #include "base/number_text.h"
@@ -55,19 +54,14 @@ void checkApart(const std::vector<NamedFile>& inputs, const std::vector<NamedFil
   }
 }
 
-/// A score sheet that an earlier run left in the folder: that of another trainee is kept, and the run refused; one's
-/// own goes, as it would not be of this run if that is interrupted.
-void clearScore(const Options& options, const std::string& folder) {
-  const std::filesystem::path sheet = std::filesystem::path(folder) / "score.json";
-  const std::optional<std::string> trainee = traineeOf(sheet.string());
-  if (!trainee) return;
-  if (*trainee != options.trainee_name)
-    throw InputError({sheet.string()},
-                     "the score sheet of " + (trainee->empty() ? "somebody without a name" : *trainee) + " lies there",
-                     "name another folder with --out");
-  std::error_code error;
-  for (const std::string& name : scoreFiles(sheet.string()))
-    std::filesystem::remove(std::filesystem::path(folder) / name, error);
+/// Keeps the score sheet of another trainee, which an earlier run left in the folder.
+void checkScore(const Options& options, const std::string& folder) {
+  const std::string sheet = (std::filesystem::path(folder) / "score.json").string();
+  const std::optional<std::string> trainee = traineeOf(sheet);
+  if (!trainee || *trainee == options.trainee_name) return;
+  throw InputError({sheet},
+                   "the score sheet of " + (trainee->empty() ? "somebody without a name" : *trainee) + " lies there",
+                   "name another folder with --out");
 }
 
 }  // namespace
@@ -94,7 +88,7 @@ std::optional<ResultFolder> openResults(const Options& options, const Scene& sce
   std::optional<ResultFolder> results;
   // A soak's force curve would grow by 150 MB an hour and tell nothing that its report doesn't.
   if (keeps) {
-    clearScore(options, folder);
+    checkScore(options, folder);
     results.emplace(folder, !options.soak_minutes);
   }
   check(true);

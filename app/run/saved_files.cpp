@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/run/result_folder.h"
+#include "app/trainer/class_scores.h"
 #include "io/output_file.h"
 #include "io/vtu_file.h"
 #include "model/solution_fields.h"
@@ -75,6 +76,13 @@ std::vector<std::string> writeScore(const std::string& json_file, const TaskScor
   writeWholeFile((file.parent_path() / names[1]).string(), score.pressureCsv());
   writePng((file.parent_path() / names[2]).string(), page);
   return names;
+}
+
+void removeScore(const std::string& json_file) {
+  if (!traineeOf(json_file)) return;  // something else
+  std::error_code error;
+  for (const std::string& name : scoreFiles(json_file))
+    std::filesystem::remove(std::filesystem::path(json_file).parent_path() / name, error);
 }
 
 void writeStateVtu(const std::string& path, const Model& model, const AlignedVector<Float4>& u) {

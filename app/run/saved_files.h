@@ -42,6 +42,9 @@ std::vector<std::string> scoreFiles(const std::string& json_file);
 std::vector<std::string> writeScore(const std::string& json_file, const TaskScore& score, const SheetHead& head,
                                     const Picture& page);
 
+/// Takes the three away, if there is such a sheet.
+void removeScore(const std::string& json_file);
+
 /// The deformed body for ParaView: displacement at the nodes; J, pressure and von Mises stress in the cells.
 void writeStateVtu(const std::string& path, const Model& model, const AlignedVector<Float4>& u);
 

@@ -471,7 +471,8 @@ Places makePlaces(const Scene& said, const TriangleSurface& organ, const Progres
       places.key += "\ntool " + shortest(tool.shape.radius) + ' ' + shortest(touchRadius(tool.shape)) + ' ' +
                     shortest(tool.opening);
     for (const RefineSpec& ball : rigid_balls)
-      places.key += "\nball " + coordinates(ball.centre) + ' ' + shortest(ball.radius);
+      places.key += "\nball " + shortest(ball.centre.x()) + ' ' + shortest(ball.centre.y()) + ' ' +
+                    shortest(ball.centre.z()) + ' ' + shortest(ball.radius);
   }
   addSkin(as_read, places);
   places.centres = centresOn(places.common.skin.surface, places.sizes.stride);
