@@ -36,7 +36,9 @@ void ForceHistory::add(const ForceSample& sample, const ToolReadings& readings) 
     const ToolReading& tool = readings.tool[static_cast<std::size_t>(k)];
     trust_.add(Doubt::None, tool.expected_error, tool.error_force, sample.time_s, k);
   }
-  trust_.add(sample.doubt, several ? 0 : sample.expected_error, several ? 0 : sample.error_force, sample.time_s);
+  const bool added = several && sample.error_by >= 0 && sample.error_by < max_tools;
+  trust_.add(sample.doubt, added ? 0 : sample.expected_error, added ? 0 : sample.error_force, sample.time_s,
+             sample.error_by);
   ++samples_;
   doubted_ += sample.doubt != Doubt::None ? 1 : 0;
 

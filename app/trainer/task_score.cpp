@@ -58,7 +58,7 @@ void TaskScore::add(const ForceSample& sample) {
   if (begin_s_ < 0) begin_s_ = sample.time_s;
   seconds_ = sample.time_s - begin_s_;
   ++samples_;
-  trust_.add(sample.doubt, sample.expected_error, sample.error_force, sample.time_s);
+  trust_.add(sample.doubt, sample.expected_error, sample.error_force, sample.time_s, sample.error_by);
   const double force = sample.force_raw.norm();
   if (!(force > 0) || !std::isfinite(force)) {
     lifted_ = true;

@@ -118,7 +118,7 @@ typedef struct palpate_state {
   double pose[7];           /* of the tool that the tissue felt: it may yield, or lag behind a fast hand */
   double force[3];          /* N, on the tool, as computed */
   double force_filtered[3]; /* N, low-passed ([force] cutoff of the scene), for a display */
-  double torque[3];         /* N m, on the tool about its tip, as computed */
+  double torque[3];         /* N m, on the tool about its tip, as computed; expected_error does not speak of it */
   double normal[3];         /* unit, from the tissue towards the tool; 0: no contact */
   double stiffness;         /* N/m, of late, force over travel along the normal (50 ms); 0: not known */
   double depth_m;           /* how far the tool's foremost point along the skin's normal is beyond where the skin

@@ -232,7 +232,7 @@ constexpr KeySpec scene_keys[] = {
      "Inwards; negative: suction. Either this or `traction`.", never},
     {"load", "kind", T::Text, "", "\"follower\"", {}, "follower|dead",
      "Of a pressure: along the normal and on the area that the skin has now, as gas and fluids press; or those "
-     "at rest.",
+     "at rest (such a push, as that of a traction, lets soft tissue give way aside from about its shear modulus on).",
      never},
     {"load", "traction", T::Vector, "Pa", depends, {}, "",
      "Force per area of the skin at rest, in a fixed direction.", never},

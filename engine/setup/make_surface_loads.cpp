@@ -7,8 +7,8 @@
 #include "discretization/cells/background_cells.h"
 #include "discretization/surface/facet_rule.h"
 #include "scene/scene_messages.h"
-#include "scene/scene_regions.h"
 #include "setup/body_points.h"
+#include "setup/clip_to_region.h"
 
 namespace palpate {
 namespace {
@@ -26,15 +26,16 @@ Vec3 at(const Body& body, const Facet& f, const Vec3& l) {
   return l[0] * body.X[f[0]] + l[1] * body.X[f[1]] + l[2] * body.X[f[2]];
 }
 
-/// The middles of n^2 equal triangles that a facet is divided into, in its linear shape functions.
-std::vector<Vec3> evenPlaces(int n) {
-  std::vector<Vec3> places;
+/// The corners of n^2 equal triangles that a facet is divided into, in its linear shape functions.
+std::vector<std::array<Vec3, 3>> evenParts(int n) {
+  std::vector<std::array<Vec3, 3>> parts;
+  const auto corner = [n](int i, int j) { return Vec3(1.0 * i / n, 1.0 * j / n, 1.0 * (n - i - j) / n); };
   for (int i = 0; i < n; ++i)
-    for (int j = 0; i + j < n; ++j)
-      for (const double third : {1.0 / 3, 2.0 / 3})  // the triangle on either side of a cell's diagonal
-        if (third < 0.5 || i + j < n - 1)
-          places.emplace_back((i + third) / n, (j + third) / n, 1 - (i + j + 2 * third) / n);
-  return places;
+    for (int j = 0; i + j < n; ++j) {
+      parts.push_back({corner(i, j), corner(i + 1, j), corner(i, j + 1)});
+      if (i + j < n - 1) parts.push_back({corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)});
+    }
+  return parts;
 }
 
 /// All of a facet, by the rule at whose points gradients are consistent (boundary_points.h).
@@ -49,29 +50,41 @@ LoadedFacet wholeFacet(const Body& body, const Facet& f, int number) {
   return loaded;
 }
 
+/// What of a facet is in a region: parts small enough for the organ's surface, which the facet is a chord of, are cut
+/// along the region's borders.
+LoadedFacet partOfFacet(const Body& body, const Facet& f, int number, const Region& region, const SurfaceTree& organ) {
+  static const std::vector<std::array<Vec3, 3>> parts = evenParts(8);
+  LoadedFacet loaded{number, {}, {}};
+  double whole = 0;
+  for (const auto& l : parts) {
+    std::array<Vec3, 3> corner;
+    for (std::size_t k = 0; k < 3; ++k) corner[k] = organ.closest(at(body, f, l[k])).point;
+    const ClippedTriangle part = clipToRegion(region, corner);
+    whole += part.share;
+    if (!(part.share > 0)) continue;
+    const Vec3& b = part.barycentric;
+    loaded.X.push_back(at(body, f, b[0] * l[0] + b[1] * l[1] + b[2] * l[2]));
+    loaded.weight.push_back(part.share / static_cast<double>(parts.size()));
+  }
+  // A region that just holds a face has a thread of those beside it: narrower, per edge, is none.
+  constexpr double rounding = 1e-6, thread = 2.5e-3;
+  if (whole < 2 * thread * static_cast<double>(parts.size())) return {number, {}, {}};
+  return whole > (1 - rounding) * static_cast<double>(parts.size()) ? wholeFacet(body, f, number) : loaded;
+}
+
 /// The facets that a load is on, or parts of them.
 std::vector<LoadedFacet> loadedFacets(const Body& body, const std::vector<Facet>& facets, const SurfaceTree& organ,
                                       const LoadSpec& spec) {
-  constexpr int coarse = 4, fine = 8;  // parts of an edge: to see whether a border cuts a facet, and to divide it
-  static const std::vector<Vec3> few = evenPlaces(coarse), many = evenPlaces(fine);
+  const bool everywhere = spec.whole || spec.region.kind == Region::Kind::Shell;  // of the organ's surface
   std::vector<LoadedFacet> loaded;
   for (int t = 0; t < static_cast<int>(facets.size()); ++t) {
     const Facet& f = facets[t];
-    const auto holds = [&](const Vec3& l) { return contains(spec.region, organ.closest(at(body, f, l)).point, organ); };
-    const auto inside =
-        spec.whole ? static_cast<std::ptrdiff_t>(few.size()) : std::count_if(few.begin(), few.end(), holds);
-    if (inside == 0) continue;
-    if (inside == static_cast<std::ptrdiff_t>(few.size())) {
-      loaded.push_back(wholeFacet(body, f, t));
-      continue;
-    }
-    LoadedFacet& part = loaded.emplace_back();
-    part.facet = t;
-    for (const Vec3& l : many)
-      if (holds(l)) {
-        part.X.push_back(at(body, f, l));
-        part.weight.push_back(1.0 / static_cast<double>(many.size()));
-      }
+    const Vec3 middle = at(body, f, Vec3::Constant(1.0 / 3));
+    const double reach =
+        std::max({(body.X[f[0]] - middle).norm(), (body.X[f[1]] - middle).norm(), (body.X[f[2]] - middle).norm()});
+    if (!everywhere && !spec.region.contains(middle, 2 * reach)) continue;
+    loaded.push_back(everywhere ? wholeFacet(body, f, t) : partOfFacet(body, f, t, spec.region, organ));
+    if (loaded.back().weight.empty()) loaded.pop_back();
   }
   return loaded;
 }
@@ -80,9 +93,10 @@ void check(const Body& body, const std::vector<Facet>& facets, const LoadSpec& s
            const std::vector<LoadedFacet>& loaded) {
   constexpr std::uint8_t all_components = 7;
   if (loaded.empty())
-    throw InputError(spec.whole ? spec.place : spec.region.place,
-                     "the region of the load " + inQuotes(spec.name) + " holds no part of the organ's skin",
-                     "move it or make it larger, so that skin lies in it");
+    throw InputError(
+        spec.whole ? spec.place : spec.region.place,
+        "the region of the load " + inQuotes(spec.name) + " holds no part of the organ's skin, or a thread of it",
+        "move it or make it larger, so that skin lies in it");
   const auto held = [&](int i) { return body.imposed[i] == all_components; };
   if (std::all_of(loaded.begin(), loaded.end(), [&](const LoadedFacet& l) {
         return std::all_of(facets[l.facet].begin(), facets[l.facet].end(), held);

@@ -83,6 +83,11 @@ std::pair<double*, double*> errorOf(StepReport& report, const Press& press) {
   return {&load.expected_error, &load.error_force};
 }
 
+/// What the skin beside a sharp rim has of a tool's force.
+double rimShare(const Model& model, const State& state, const Press& press) {
+  return rimForce(model, state, static_cast<int>(press.tool())) / press.force;
+}
+
 }  // namespace
 
 ResolutionWatch::ResolutionWatch(const Model& model)
@@ -194,6 +199,7 @@ void ResolutionWatch::tell(const Model& model, const State& state, const PressLi
       if (narrow > known.error) known = {narrow, press.force};
     }
     known.error = std::max(known.error, model.layer_error);
+    if (press.isTool() && known.force > 0) known.error = std::hypot(known.error, rimShare(model, state, press));
     const auto [error, force] = errorOf(report, press);
     *error = known.error;
     *force = known.force;
@@ -330,11 +336,12 @@ void addLast(const Model& model, const State& state, const StepReport& report, d
   AlignedVector<Double4> u;
   for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
   const bool at_rest = !(report.strain_energy > model.rest_energy);
-  const double error = at_rest ? 0
-                               : expectedError(model, state.live.kernel.materials, u, report.strain_energy, presses,
-                                               {state.tool.begin(), state.tool.end()});
+  double error = at_rest ? 0
+                         : expectedError(model, state.live.kernel.materials, u, report.strain_energy, presses,
+                                         {state.tool.begin(), state.tool.end()});
   if (!std::isfinite(error)) return;
   const bool touches = presses.count > 0;
+  if (touches && presses.press[0].isTool()) error = std::hypot(error, rimShare(model, state, presses.press[0]));
   double force = touches ? 0 : largestForce(report);
   for (std::size_t k = 0; k < presses.count; ++k) force = std::max(force, presses.press[k].force);
   trust.add(doubtOfError(error), error, force, time, touches ? presses.press[0].by : -1);

@@ -226,6 +226,21 @@ TEST_CASE("A region's border cuts faces: the loaded area is the region's", "[sim
   }
 }
 
+TEST_CASE("A strip far narrower than the nodes are apart has all of its load", "[simulation][load][whole]") {
+  Scene scene = test::blockScene();
+  LoadSpec strip = loadOf(Kind::Traction, 0, Vec3(0, 0, -1));
+  strip.region.kind = Region::Kind::Box;
+  for (const double x : {0.0003, 0.0027, -0.0061}) {  // was 26 to 90 % off
+    strip.region.min = Vec3(x - 1e-4, -0.02, 0.029);
+    strip.region.max = Vec3(x + 1e-4, 0.021, 0.031);
+    scene.loads = {strip};
+    const Model model = test::blockModel(scene);
+    const NodeLoads loads = loadsAt(model, AlignedVector<Double4>(model.X.size()));
+    CHECK(loads.force.z() == Approx(-2e-4 * 0.041).epsilon(1e-6));
+    CHECK(loads.torque.y() / -loads.force.z() == Approx(x).margin(1e-6));
+  }
+}
+
 TEST_CASE("The loop comes to rest where the static solution is, whatever the threads, and makes no energy",
           "[simulation][load][whole]") {
   Scene scene = test::blockScene();

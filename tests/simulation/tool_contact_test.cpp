@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "contact/tools/tool_list.h"
 #include "model/live_parameters.h"
 #include "step/step.h"
 #include "step/tool_bodies.h"
@@ -63,6 +64,35 @@ TEST_CASE("Tissue that is made stiffer live is touched as if it had been loaded 
   stiff.materials[0].material.set("young", 1.5e5);
   const Material material = test::blockModel(stiff).materials[0];
   CHECK(pressedForce(scene, 0.001, &material) == Approx(pressedForce(stiff, 0.001)).epsilon(0.01));
+}
+
+TEST_CASE("What the wall behind a sharp rim drags along is no force to be trusted", "[tool_contact][whole]") {
+  // Frictionless and elastic, so slid or not a flat end feels nothing aside.
+  Scene scene = test::blockScene(0.004);
+  scene.organs[0].size = Vec3(0.06, 0.04, 0.02);
+  scene.materials[0].material.set("poisson", 0.45);
+  scene.tools[0].shape = ToolShape::of(ToolKind::FlatCylinder, 0.01);
+  scene.tools[0].position = Vec3(-0.007, 0, 0.021);
+  for (const double rim : {0.0003, 0.003}) {
+    scene.tools[0].shape.parameter[0] = rim;
+    const Model model = test::blockModel(scene);
+    Workspace workspace(model, 2);
+    State state = initialState(model);
+    Command command = restCommand(model);
+    StepReport report;
+    for (int k = 1; k <= 500; ++k) {
+      command.tools[0].pose =
+          test::toolAt(model, model.tools.first().first_contact_travel + 0.002 * std::min(1.0, k / 150.0));
+      command.tools[0].pose.position.x() += 0.004 * std::clamp((k - 150) / 200.0, 0.0, 1.0);
+      report = tick(model, state, command, workspace);
+    }
+    const double aside = std::abs(report.tool_force.x()) / report.tool_force.norm();
+    INFO("rim " << rim << ", aside " << aside << ", expected " << report.expected_error);
+    CHECK(report.expected_error > 0.7 * aside);
+    CHECK((aside > 0.1) == (rim < 0.001));
+    CHECK((rimForce(model, state, 0) > 0) == (rim < 0.001));
+    CHECK((report.expected_error > TrustLimits::expected_error) == (rim < 0.001));
+  }
 }
 
 TEST_CASE("A tool's work counts what a hand swings within a tick", "[tool_contact]") {

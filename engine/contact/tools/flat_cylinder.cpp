@@ -8,7 +8,9 @@ namespace flat_cylinder {
 
 constexpr Parameter parameters[] = {
     {"edge_radius", "rim", Parameter::Type::Number, "m", "0", atLeast(0),
-     "Rounding of the rims; 0: 0.3 of the radius."},  // default_rounding_per_radius
+     "Rounding of the rims; 0: 0.3 of the radius. Below a quarter of it skin catches on the rim of a tool that is "
+     "drawn "
+     "aside: the error to expect says by how much."},  // default_rounding_per_radius
 };
 
 /// Distance to the cylinder of radius R - e and ends drawn in by e, less e.

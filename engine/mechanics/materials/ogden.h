@@ -18,7 +18,8 @@ struct Ogden {
   static constexpr const char *name = "ogden", *title = "Ogden", *reference = "paper eq. 32";
   static constexpr Parameter parameters[] = {
       {"mu", "\xCE\xBC", Parameter::Type::Numbers, "Pa", "", anyNumber(),
-       "shear moduli, one per term, 1 to 6 terms; their sum is the shear modulus at rest."},
+       "shear moduli, one per term, 1 to 6 terms; their sum is the shear modulus at rest (constants of an energy with "
+       "mu/alpha in place of 2 mu/alpha^2 times alpha/2)."},
       {"alpha", "a", Parameter::Type::Numbers, "", "", anyNumber(), "exponents, one per term, not 0."},
       {"D1", "", Parameter::Type::Number, "1/Pa", "", above(0), "compressibility; the bulk modulus is 2/D1."}};
   static constexpr int mu_at = 0, alpha_at = Material::max_terms,

@@ -42,7 +42,7 @@ struct Unpacker {
 }  // namespace
 
 void ForceOutput::publish(const ForceSample& s) {
-  LatestWords<35>::Words words{};
+  LatestWords<36>::Words words{};
   Packer packer{words.data()};
   packer.add(std::bit_cast<std::uint64_t>(s.tick));
   packer.add(std::bit_cast<std::uint64_t>(s.wall_ns));
@@ -54,6 +54,7 @@ void ForceOutput::publish(const ForceSample& s) {
   packer.add(static_cast<std::uint64_t>(s.doubt));
   packer.add(s.expected_error);
   packer.add(s.error_force);
+  packer.add(std::bit_cast<std::uint64_t>(std::int64_t{s.error_by}));
   packer.add(s.tool_pose.position);
   for (const double component : s.tool_pose.orientation.coeffs()) packer.add(component);
   packer.add(s.torque);
@@ -70,7 +71,7 @@ void ForceOutput::publish(const ForceSample& s) {
 }
 
 ForceSample ForceOutput::latest() const {
-  const LatestWords<35>::Words words = words_.latest();
+  const LatestWords<36>::Words words = words_.latest();
   Unpacker unpacker{words.data()};
   ForceSample s;
   s.tick = std::bit_cast<std::int64_t>(unpacker.whole());
@@ -83,6 +84,7 @@ ForceSample ForceOutput::latest() const {
   s.doubt = static_cast<Doubt>(unpacker.whole());
   s.expected_error = unpacker.real();
   s.error_force = unpacker.real();
+  s.error_by = static_cast<int>(std::bit_cast<std::int64_t>(unpacker.whole()));
   s.tool_pose.position = unpacker.vector();
   for (double& component : s.tool_pose.orientation.coeffs()) component = unpacker.real();
   s.torque = unpacker.vector();

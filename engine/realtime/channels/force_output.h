@@ -36,7 +36,7 @@ class ForceOutput {
   ForceSample latest() const;
 
  private:
-  LatestWords<35> words_;
+  LatestWords<36> words_;
 };
 
 }  // namespace palpate

@@ -26,7 +26,8 @@ struct ForceSample {
   Vec3 force_filtered = Vec3::Zero();  // N
   Doubt doubt = Doubt::None;           // why the force should not be believed
   double expected_error = 0;           // of forces, as a share, of late, and the force, N, that it was found for
-  double error_force = 0;              // (step/resolution.h)
+  double error_force = 0;              // (step/resolution.h);
+  int error_by = -1;                   // whose, as StepReport's
   Pose tool_pose;                      // of the tool that the tissue felt
   Vec3 torque = Vec3::Zero();          // N m, on the tool about its tip, raw
   Vec3 contact_normal = Vec3::Zero();  // unit, from the tissue towards the tool; 0: no contact

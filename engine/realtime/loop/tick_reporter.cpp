@@ -46,6 +46,7 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
   force_.doubt = doubtOf(*model_, report);
   force_.expected_error = report.expected_error;
   force_.error_force = report.error_force;
+  force_.error_by = report.error_by;
   summary_.trust.add(force_.doubt, report, secondsAt(run.tick + 1));  // when its force goes out
   watchYield(run);
   if (verdict == Verdict::Restore) {  // the report of before, and its force, hold for this tick

@@ -51,9 +51,8 @@ void ToolProxy::beGentle() {
 
 double ToolProxy::freedom(const StepReport& last) const {
   const double radius = model_.scene.tools[0].shape.radius;
-  return std::min({fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share),
-                   fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J),
-                   fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius)});
+  return std::min(fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J),
+                  fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius));
 }
 
 double ToolProxy::freedomToDraw(const State& state) const {

@@ -12,10 +12,8 @@ namespace palpate {
 /// Where the tool yields: beyond a doubt's limit (step/trust.h) its advance becomes slower, and here it ends.
 /// Each is the last resort before the solution is lost, not where it becomes inexact.
 struct YieldLimits {
-  static constexpr double step_share = 1.7;       // the share is a bound: the default liver freezes at about 2
-  static constexpr double free_step_share = 1.2;  // up to here it does not count
-  static constexpr double min_J = 0.1;            // from TrustLimits::min_J on
-  static constexpr double penetration = 0.3;      // of the tool's radius, from TrustLimits::penetration on
+  static constexpr double min_J = 0.1;        // from TrustLimits::min_J on
+  static constexpr double penetration = 0.3;  // of the tool's radius, from TrustLimits::penetration on
   // Of the skin's edges beside the tool: what is drawn out so far has torn. Laws that don't stiffen let a ball push a
   // channel through the liver with 1 N, 90 mm long, and that closes over it. The deepest press that is trusted, three
   // radii into the liver, stretches by 2.1. The tool draws the skin no further from where it is at rest; back it is

@@ -46,7 +46,6 @@ TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_p
   const Model model = toolModel();
   ToolProxy proxy(model);
   Touch touch;
-  touch.report.step_share = YieldLimits::free_step_share;
   touch.report.min_J = TrustLimits::min_J + 1e-6F;
   touch.report.max_penetration = TrustLimits::penetration * model.scene.tools[0].shape.radius;
   touch.report.tool_force = Vec3(0, 0, 0.5 * model.tools.first().max_force);
@@ -103,7 +102,8 @@ TEST_CASE("Each limit slows the advance and stops it - the gravest counts", "[to
   State state;
   StepReport report;
   CHECK(proxy.freedom(report) == 1);
-  report.step_share = 0.5 * (YieldLimits::free_step_share + YieldLimits::step_share);
+  report.max_penetration =
+      0.5 * (TrustLimits::penetration + YieldLimits::penetration) * model.scene.tools[0].shape.radius;
   CHECK(proxy.freedom(report) == Approx(0.5));
   report.min_J = static_cast<float>(0.25 * TrustLimits::min_J + 0.75 * YieldLimits::min_J);
   CHECK(proxy.freedom(report) == Approx(0.25));
@@ -112,16 +112,13 @@ TEST_CASE("Each limit slows the advance and stops it - the gravest counts", "[to
   report = {};
   report.min_J = -0.1F;
   CHECK(proxy.freedom(report) == 0);
-  report = {};
-  report.step_share = 10;
-  CHECK(proxy.freedom(report) == 0);
 }
 
 TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways and backwards", "[tool_proxy]") {
   const Model model = toolModel();
   ToolProxy proxy(model);
   Touch touch;
-  touch.report.step_share = 0.5 * (YieldLimits::free_step_share + YieldLimits::step_share);  // g^2 = 1/4
+  touch.report.min_J = static_cast<float>(0.5 * (TrustLimits::min_J + YieldLimits::min_J));  // g^2 = 1/4
   // The hand a millimetre deeper and one aside: within the reach of 2 mm a tick.
   Pose tool = follow(proxy, handAt(1e-3, 0, -1e-3), touch.state, touch.report);
   CHECK(tool.position.x() == Approx(1e-3).epsilon(1e-12));
@@ -142,7 +139,7 @@ TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways 
   CHECK(tool.position.isApprox(Vec3(-0.25e-3, 1e-3, 0), 1e-12));
   touch.report.tool_force = Vec3(0, 0, 1);
   // Beyond the limit it stands.
-  touch.report.step_share = 10;
+  touch.report.min_J = -1;
   tool = follow(proxy, handAt(0, 0, -0.05), touch.state, touch.report);
   CHECK(tool.position.norm() < 1e-15);
   CHECK(proxy.yieldAfter({}, {}, {}) == Approx(0.05));
