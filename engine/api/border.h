@@ -87,6 +87,13 @@ inline std::int32_t say(palpate_error* error, std::int32_t code, const char* tex
   fill(error, whole);
   return code;
 }
+/// What is refused already, with its sentence, is said to `error`, too.
+inline std::int32_t sayToo(palpate_error* error, std::int32_t code) {
+  return code == PALPATE_OK ? code : say(error, code, palpate_last_error());
+}
+inline std::int32_t nullAmong(palpate_error* error, std::initializer_list<Needed> all) {
+  return sayToo(error, nullAmong(all));
+}
 
 /// Calls `action`, which returns a code; what it throws becomes one.
 template <class Action>

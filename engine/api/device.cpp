@@ -68,7 +68,7 @@ int32_t palpate_scene_device(const palpate_model* model, palpate_device_settings
 }
 
 int32_t palpate_couple(palpate_simulation* simulation, const palpate_device_settings* settings, palpate_error* error) {
-  if (simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation is NULL");
+  if (const std::int32_t code = nullAmong(error, {{simulation, "simulation"}})) return code;
   if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_last_error());
   return guarded(error, [&] {
     const Model& model = *simulation->model;

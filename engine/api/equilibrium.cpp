@@ -93,12 +93,10 @@ extern "C" {
 int32_t palpate_settle(const palpate_model* model, const double* pose, double time, int32_t threads,
                        palpate_equilibrium** equilibrium, palpate_error* error) {
   if (equilibrium != nullptr) *equilibrium = nullptr;
-  if (model == nullptr || equilibrium == nullptr)
-    return say(error, PALPATE_BAD_ARGUMENT, "model or equilibrium is NULL");
+  if (const std::int32_t code = nullAmong(error, {{model, "model"}, {equilibrium, "equilibrium"}})) return code;
   if (pose != nullptr && !isPose(pose)) return say(error, PALPATE_BAD_ARGUMENT, "pose is not finite, or no turn");
   if (!(time >= 0 && std::isfinite(time))) return say(error, PALPATE_BAD_ARGUMENT, "time is negative, or not finite");
-  if (threads < 0 || threads > max_threads)
-    return say(error, PALPATE_BAD_ARGUMENT, ("threads is not in 0 .. " + std::to_string(max_threads)).c_str());
+  if (const std::int32_t code = sayToo(error, outside("threads", threads, 0, max_threads + 1))) return code;
   return guarded(error, [&] {
     const int cores = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_threads);
     auto made = std::make_unique<palpate_equilibrium>(*model, placeFor(*model, pose), threads > 0 ? threads : cores);
@@ -113,8 +111,7 @@ void palpate_equilibrium_destroy(palpate_equilibrium* equilibrium) { delete equi
 
 int32_t palpate_settle_with(palpate_equilibrium* equilibrium, const palpate_material_number* number, double value,
                             palpate_error* error) {
-  if (equilibrium == nullptr || number == nullptr)
-    return say(error, PALPATE_BAD_ARGUMENT, "equilibrium or number is NULL");
+  if (const std::int32_t code = nullAmong(error, {{equilibrium, "equilibrium"}, {number, "number"}})) return code;
   return guarded(error, [&] {
     const MaterialNumber wanted = numberFrom(*number);
     EquilibriumSensitivity& body = equilibrium->body;
@@ -147,8 +144,7 @@ int32_t palpate_settle_with(palpate_equilibrium* equilibrium, const palpate_mate
 
 int32_t palpate_equilibrium_value(palpate_equilibrium* equilibrium, const palpate_quantity* quantity, double* value,
                                   palpate_error* error) {
-  if (equilibrium == nullptr || value == nullptr)
-    return say(error, PALPATE_BAD_ARGUMENT, "equilibrium or value is NULL");
+  if (const std::int32_t code = nullAmong(error, {{equilibrium, "equilibrium"}, {value, "value"}})) return code;
   return guarded(error, [&] {
     *value = equilibrium->body.valueOf(quantityOf(*equilibrium, quantity));
     return PALPATE_OK;
@@ -166,8 +162,10 @@ int32_t palpate_equilibrium_expected_error(palpate_equilibrium* equilibrium, dou
 int32_t palpate_sensitivity(palpate_equilibrium* equilibrium, const palpate_quantity* quantity,
                             const palpate_material_number* numbers, int32_t count, double* derivatives,
                             palpate_error* error) {
-  if (equilibrium == nullptr || count < 1 || numbers == nullptr || derivatives == nullptr)
-    return say(error, PALPATE_BAD_ARGUMENT, "equilibrium, numbers or derivatives is NULL, or count less than 1");
+  if (const std::int32_t code =
+          nullAmong(error, {{equilibrium, "equilibrium"}, {numbers, "numbers"}, {derivatives, "derivatives"}}))
+    return code;
+  if (count < 1) return say(error, PALPATE_BAD_ARGUMENT, "count is less than 1");
   return guarded(error, [&] {
     std::vector<MaterialNumber> asked;
     for (std::int32_t k = 0; k < count; ++k) asked.push_back(numberFrom(numbers[k]));

@@ -78,8 +78,8 @@ extern "C" {
 int32_t palpate_points_create(const palpate_model* model, const double* X, int32_t count, palpate_points** points,
                               palpate_error* error) {
   if (points != nullptr) *points = nullptr;
-  if (model == nullptr || points == nullptr || X == nullptr || count < 1 || count > max_points)
-    return say(error, PALPATE_BAD_ARGUMENT, "model, X or points is NULL, or count not in 1 .. 1e7");
+  if (const std::int32_t code = nullAmong(error, {{model, "model"}, {X, "X"}, {points, "points"}})) return code;
+  if (const std::int32_t code = sayToo(error, outside("count", count, 1, max_points + 1))) return code;
   return guarded(error, [&] {
     auto made = std::make_unique<palpate_points>();
     made->model = model->model;
@@ -97,8 +97,9 @@ int32_t palpate_points_create(const palpate_model* model, const double* X, int32
 
 int32_t palpate_points_of(const palpate_model* model, int32_t kind, palpate_points** points, palpate_error* error) {
   if (points != nullptr) *points = nullptr;
-  if (model == nullptr || points == nullptr || (kind != PALPATE_NODES && kind != PALPATE_INTEGRATION_POINTS))
-    return say(error, PALPATE_BAD_ARGUMENT, "model or points is NULL, or there is no such kind");
+  if (const std::int32_t code = nullAmong(error, {{model, "model"}, {points, "points"}})) return code;
+  if (kind != PALPATE_NODES && kind != PALPATE_INTEGRATION_POINTS)
+    return say(error, PALPATE_BAD_ARGUMENT, ("there is no kind " + std::to_string(kind)).c_str());
   return guarded(error, [&] {
     auto made = std::make_unique<palpate_points>();
     made->model = model->model;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 
 #include "api/border.h"
@@ -42,13 +43,25 @@ Scene withOptions(Scene scene, const palpate_options& options) {
   return scene;
 }
 
+/// "": none is wanted. Throws Refusal where it is no folder and can't be made one.
+std::string cacheFolder(const palpate_options& options) {
+  const std::string folder = options.cache_folder != nullptr ? options.cache_folder : "";
+  std::error_code problem;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, problem) &&
+      !std::filesystem::create_directories(folder, problem))
+    throw Refusal(PALPATE_BAD_ARGUMENT,
+                  "options.cache_folder " + inQuotes(folder) + " can't be made: " +
+                      (problem ? problem : std::make_error_code(std::errc::not_a_directory)).message());
+  return folder;
+}
+
 /// @param read  (changes): the scene
 template <class Read>
 std::int32_t load(Read read, const palpate_options* options, palpate_model** model, palpate_error* error) {
   *model = nullptr;
   return guarded(error, [&] {
     const palpate_options asked = given(options);
-    const ModelCache cache(asked.cache_folder != nullptr ? asked.cache_folder : "");
+    const ModelCache cache(cacheFolder(asked));
     const Progress progress = [&asked](const std::string& what, double fraction) {
       if (asked.progress != nullptr && asked.progress(asked.user, what.c_str(), fraction) != 0)
         throw Refusal(PALPATE_REFUSED, "given up while the model was made, as options.progress wanted");
@@ -73,7 +86,7 @@ std::int32_t load(Read read, const palpate_options* options, palpate_model** mod
 template <class Each>
 static int32_t walk(const palpate_model* model, const char* script, const double* into, int64_t capacity,
                     int64_t* count, palpate_error* error, Each each) {
-  if (model == nullptr || count == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "model or count is NULL");
+  if (const std::int32_t code = nullAmong(error, {{model, "model"}, {count, "count"}})) return code;
   if (capacity < 0) return say(error, PALPATE_BAD_ARGUMENT, "capacity is negative");
   if (into == nullptr && capacity > 0)
     return say(error, PALPATE_BAD_ARGUMENT, "there is a capacity, but no room for it");
@@ -127,14 +140,14 @@ const char* palpate_doubt_text(int32_t doubt) {
 
 int32_t palpate_load(const char* scene, const palpate_options* options, palpate_model** model, palpate_error* error) {
   if (model != nullptr) *model = nullptr;
-  if (scene == nullptr || model == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "scene or model is NULL");
+  if (const std::int32_t code = nullAmong(error, {{scene, "scene"}, {model, "model"}})) return code;
   return load([&](const auto& changes) { return readScene(findScene(scene), changes); }, options, model, error);
 }
 
 int32_t palpate_load_text(const char* text, const char* folder, const char* name, const palpate_options* options,
                           palpate_model** model, palpate_error* error) {
   if (model != nullptr) *model = nullptr;
-  if (text == nullptr || model == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "text or model is NULL");
+  if (const std::int32_t code = nullAmong(error, {{text, "text"}, {model, "model"}})) return code;
   return load(
       [&](const auto& changes) {
         const auto or_else = [](const char* given, const char* fallback) {

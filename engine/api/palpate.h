@@ -69,7 +69,7 @@ typedef struct palpate_options {
   int32_t threads;          /* physics threads of each simulation, its own one included; 0: the scene's. No result
                                depends on it */
   double rate_hz;           /* ticks per second; 0: the scene's */
-  const char* cache_folder; /* where set-ups are kept for the next time; NULL: nowhere */
+  const char* cache_folder; /* where set-ups are kept for the next time, made if need be; NULL: nowhere */
   int (*progress)(void* user, const char* what, double fraction); /* called by the loading thread; not 0: give up */
   void* user;
   const char* const* set; /* keys of the scene that get other values, as TOML writes them: "material[0].young = 4000" */

@@ -43,7 +43,7 @@ const std::vector<TimedRequest>& Recorder::changes() {
 extern "C" {
 
 int32_t palpate_record_start(palpate_simulation* simulation, palpate_error* error) {
-  if (simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation is NULL");
+  if (const std::int32_t code = nullAmong(error, {{simulation, "simulation"}})) return code;
   if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_last_error());
   return guarded(error, [&] {
     if (simulation->recorder) throw Refusal(PALPATE_REFUSED, "it is recorded already; palpate_record_stop first");
@@ -59,7 +59,7 @@ int32_t palpate_record_start(palpate_simulation* simulation, palpate_error* erro
 }
 
 int32_t palpate_record_stop(palpate_simulation* simulation, const char* file, palpate_error* error) {
-  if (simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation is NULL");
+  if (const std::int32_t code = nullAmong(error, {{simulation, "simulation"}})) return code;
   if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_last_error());
   return guarded(error, [&] {
     if (!simulation->recorder) throw Refusal(PALPATE_REFUSED, "it is not recorded; palpate_record_start first");

@@ -123,7 +123,7 @@ int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t s
 }
 
 int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_t size, palpate_error* error) {
-  if (simulation == nullptr || bytes == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation or bytes is NULL");
+  if (const std::int32_t code = nullAmong(error, {{simulation, "simulation"}, {bytes, "bytes"}})) return code;
   if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_last_error());
   return guarded(error, [&] {
     const char* at = static_cast<const char*>(bytes);

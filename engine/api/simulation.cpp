@@ -164,7 +164,7 @@ extern "C" {
 
 int32_t palpate_create(const palpate_model* model, palpate_simulation** simulation, palpate_error* error) {
   if (simulation != nullptr) *simulation = nullptr;
-  if (model == nullptr || simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "model or simulation is NULL");
+  if (const std::int32_t code = nullAmong(error, {{model, "model"}, {simulation, "simulation"}})) return code;
   return guarded(error, [&] {
     *simulation = new palpate_simulation(*model, model->model->scene.dynamics.threads);
     return PALPATE_OK;
@@ -280,8 +280,7 @@ int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, 
 
 int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, const palpate_parameter* parameters,
                              int32_t parameter_count, palpate_error* error) {
-  if (simulation == nullptr || parameters == nullptr)
-    return say(error, PALPATE_BAD_ARGUMENT, "simulation or parameters is NULL");
+  if (const std::int32_t code = nullAmong(error, {{simulation, "simulation"}, {parameters, "parameters"}})) return code;
   if (material < 0 || material >= static_cast<int>(simulation->model->scene.materials.size()))
     return say(error, PALPATE_BAD_ARGUMENT, "there is no material of that number");
   if (parameter_count < 1) return say(error, PALPATE_BAD_ARGUMENT, "parameter_count is less than 1");

@@ -65,8 +65,8 @@ extern "C" {
 
 int32_t palpate_team_create(int32_t threads, palpate_team** team, palpate_error* error) {
   if (team != nullptr) *team = nullptr;
-  if (team == nullptr || threads < 0 || threads > max_threads)
-    return say(error, PALPATE_BAD_ARGUMENT, "team is NULL, or threads not in 0 .. 64");
+  if (const std::int32_t code = nullAmong(error, {{team, "team"}})) return code;
+  if (const std::int32_t code = sayToo(error, outside("threads", threads, 0, max_threads + 1))) return code;
   return guarded(error, [&] {
     *team = new palpate_team(threads > 0 ? threads : allowedCores());
     return PALPATE_OK;

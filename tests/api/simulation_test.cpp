@@ -267,6 +267,10 @@ TEST_CASE("What can't be used is told with its place, and leaves the caller's pr
   options = sized<palpate_options>();
   options.rate_hz = 5;
   CHECK(palpate_load(good.c_str(), &options, &none, &error) == PALPATE_BAD_ARGUMENT);
+  options = sized<palpate_options>();
+  options.cache_folder = good.c_str();
+  CHECK(palpate_load(good.c_str(), &options, &none, &error) == PALPATE_BAD_ARGUMENT);
+  CHECK_THAT(error.text, Catch::Contains("block.toml\" can't be made"));
 
   const ModelHandle model = loadBlock();
   const palpate_model_info info = describe(model);
