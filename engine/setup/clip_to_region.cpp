@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-constexpr int sides = 64;
+constexpr int round_sides = 64;
 constexpr double tolerance = 1e-9;  // m, as contains() has it
 
 /// Part of a triangle: corners in barycentric coordinates.
@@ -31,10 +31,11 @@ void cut(const std::array<Vec3, 3>& corner, const Vec3& point, const Vec3& norma
 /// Leaves what is in a prism of the area of a circle.
 void cutRound(const std::array<Vec3, 3>& corner, const Vec3& centre, const Vec3& axis, double radius,
               Polygon& polygon) {
-  constexpr double angle = 2 * std::numbers::pi / sides;
-  const double inner = radius * std::sqrt(0.5 * angle / std::tan(0.5 * angle));  // sides tan(pi / sides) r^2 = pi R^2
+  constexpr double angle = 2 * std::numbers::pi / round_sides;
+  // round_sides tan(pi / round_sides) inner^2 = pi radius^2
+  const double inner = radius * std::sqrt(0.5 * angle / std::tan(0.5 * angle));
   const Vec3 x = axis.unitOrthogonal(), y = axis.cross(x);
-  for (int k = 0; k < sides && !polygon.empty(); ++k) {
+  for (int k = 0; k < round_sides && !polygon.empty(); ++k) {
     const Vec3 out = std::cos(k * angle) * x + std::sin(k * angle) * y;
     cut(corner, centre + inner * out, out, polygon);
   }

@@ -82,7 +82,7 @@ std::vector<LoadedFacet> loadedFacets(const Body& body, const std::vector<Facet>
     const Vec3 middle = at(body, f, Vec3::Constant(1.0 / 3));
     const double reach =
         std::max({(body.X[f[0]] - middle).norm(), (body.X[f[1]] - middle).norm(), (body.X[f[2]] - middle).norm()});
-    if (!everywhere && !spec.region.contains(middle, 2 * reach)) continue;
+    if (!everywhere && !spec.region.contains(middle, 2 * to_corner)) continue;
     loaded.push_back(everywhere ? wholeFacet(body, f, t) : partOfFacet(body, f, t, spec.region, organ));
     if (loaded.back().weight.empty()) loaded.pop_back();
   }
