@@ -80,7 +80,7 @@ std::vector<LoadedFacet> loadedFacets(const Body& body, const std::vector<Facet>
   for (int t = 0; t < static_cast<int>(facets.size()); ++t) {
     const Facet& f = facets[t];
     const Vec3 middle = at(body, f, Vec3::Constant(1.0 / 3));
-    const double reach =
+    const double to_corner =
         std::max({(body.X[f[0]] - middle).norm(), (body.X[f[1]] - middle).norm(), (body.X[f[2]] - middle).norm()});
     if (!everywhere && !spec.region.contains(middle, 2 * to_corner)) continue;
     loaded.push_back(everywhere ? wholeFacet(body, f, t) : partOfFacet(body, f, t, spec.region, organ));
