@@ -66,10 +66,12 @@ LoadedFacet partOfFacet(const Body& body, const Facet& f, int number, const Regi
     loaded.X.push_back(at(body, f, b[0] * l[0] + b[1] * l[1] + b[2] * l[2]));
     loaded.weight.push_back(part.share / static_cast<double>(parts.size()));
   }
-  // A region that just holds a face has a thread of those beside it: narrower, per edge, is none.
-  constexpr double rounding = 1e-6, thread = 2.5e-3;
-  if (whole < 2 * thread * static_cast<double>(parts.size())) return {number, {}, {}};
-  return whole > (1 - rounding) * static_cast<double>(parts.size()) ? wholeFacet(body, f, number) : loaded;
+  whole /= static_cast<double>(parts.size());
+  // A region that just holds a flat side has a thread of those beside it, which is none.
+  constexpr double rounding = 1e-6, thread = 2e-6;  // m
+  const Vec3 edge = body.X[f[1]] - body.X[f[0]], other = body.X[f[2]] - body.X[f[0]];
+  if (whole * 0.5 * edge.cross(other).norm() < thread * std::max(edge.norm(), other.norm())) return {number, {}, {}};
+  return whole > 1 - rounding ? wholeFacet(body, f, number) : loaded;
 }
 
 /// The facets that a load is on, or parts of them.

@@ -236,8 +236,8 @@ TEST_CASE("A strip far narrower than the nodes are apart has all of its load", "
     scene.loads = {strip};
     const Model model = test::blockModel(scene);
     const NodeLoads loads = loadsAt(model, AlignedVector<Double4>(model.X.size()));
-    CHECK(loads.force.z() == Approx(-2e-4 * 0.041).epsilon(1e-6));
-    CHECK(loads.torque.y() / -loads.force.z() == Approx(x).margin(1e-6));
+    CHECK(loads.force.z() == Approx(-2e-4 * 0.041).epsilon(0.01));
+    CHECK(loads.torque.y() / -loads.force.z() == Approx(x).margin(1e-5));
   }
 }
 

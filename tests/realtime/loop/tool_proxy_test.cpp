@@ -118,7 +118,8 @@ TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways 
   const Model model = toolModel();
   ToolProxy proxy(model);
   Touch touch;
-  touch.report.min_J = static_cast<float>(0.5 * (TrustLimits::min_J + YieldLimits::min_J));  // g^2 = 1/4
+  const double radius = model.scene.tools[0].shape.radius;
+  touch.report.max_penetration = 0.5 * (TrustLimits::penetration + YieldLimits::penetration) * radius;  // g^2 = 1/4
   // The hand a millimetre deeper and one aside: within the reach of 2 mm a tick.
   Pose tool = follow(proxy, handAt(1e-3, 0, -1e-3), touch.state, touch.report);
   CHECK(tool.position.x() == Approx(1e-3).epsilon(1e-12));
@@ -139,7 +140,7 @@ TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways 
   CHECK(tool.position.isApprox(Vec3(-0.25e-3, 1e-3, 0), 1e-12));
   touch.report.tool_force = Vec3(0, 0, 1);
   // Beyond the limit it stands.
-  touch.report.min_J = -1;
+  touch.report.max_penetration = 10 * radius;
   tool = follow(proxy, handAt(0, 0, -0.05), touch.state, touch.report);
   CHECK(tool.position.norm() < 1e-15);
   CHECK(proxy.yieldAfter({}, {}, {}) == Approx(0.05));
