@@ -47,6 +47,7 @@ bool isBesideRim(const ToolProfile& tool, const Vec3& local, double edge) {
 /// What pushes a body aside beside its rims.
 Vec3 besideRims(const Model& model, const State& state, const ContactState& contact, const ToolProfile& tool,
                 const Pose& body) {
+  if (tool.corner_count < 3) return Vec3::Zero();
   const Mat3 world_from_tool = body.orientation.toRotationMatrix();
   const FaceSamples& samples = contact.samples;
   const auto forEach = [&](auto call) {  // normal (tool's frame), N along it, place, area
