@@ -50,7 +50,7 @@ Vec3 besideRims(const Model& model, const State& state, const ContactState& cont
   if (tool.corner_count < 3) return Vec3::Zero();
   const Mat3 world_from_tool = body.orientation.toRotationMatrix();
   const FaceSamples& samples = contact.samples;
-  const auto forEach = [&](auto call) {  // normal (tool's frame), N along it, place, area
+  const auto forEach = [&](auto call) {  // (normal in the tool's frame, force, place, area)
     for (std::size_t c = 0; c < static_cast<std::size_t>(contact.count); ++c)
       call(
           contact.normal[c], contact.force[c],
