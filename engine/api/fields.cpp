@@ -78,8 +78,8 @@ extern "C" {
 int32_t palpate_points_create(const palpate_model* model, const double* X, int32_t count, palpate_points** points,
                               palpate_error* error) {
   if (points != nullptr) *points = nullptr;
-  if (const std::int32_t code = nullAmong(error, {{model, "model"}, {X, "X"}, {points, "points"}})) return code;
   if (const std::int32_t code = sayToo(error, outside("count", count, 1, max_points + 1))) return code;
+  if (const std::int32_t code = nullAmong(error, {{model, "model"}, {X, "X"}, {points, "points"}})) return code;
   return guarded(error, [&] {
     auto made = std::make_unique<palpate_points>();
     made->model = model->model;

@@ -94,7 +94,7 @@ TEST_CASE("An equilibrium that can't be is refused in a sentence and changes not
   CHECK(palpate_settle(model.get(), pose.data(), -1, 1, &none, &error) == PALPATE_BAD_ARGUMENT);
   CHECK_THAT(error.text, Catch::Contains("time is negative"));
   CHECK(palpate_settle(model.get(), pose.data(), 0, 65, &none, &error) == PALPATE_BAD_ARGUMENT);
-  CHECK_THAT(error.text, Catch::Contains("threads is not in 0 .. 64"));
+  CHECK_THAT(error.text, Catch::Contains("threads is 65, not in 0 .. 64"));
   CHECK(palpate_settle(rubbing.get(), pose.data(), 0, 1, &none, &error) == PALPATE_BAD_INPUT);
   CHECK_THAT(error.text, Catch::Contains("without friction"));
   CHECK(none == nullptr);
