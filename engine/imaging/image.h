@@ -39,6 +39,10 @@ struct ImageGrid {
   Vec3 worldOf(int i, int j, int k) const { return worldOf(Vec3(i, j, k)); }
   /// The index at which a place lies; whole numbers are voxels' centres.
   Vec3 indexOf(const Vec3& X) const { return inverse * (X - origin); }
+  /// Whether an index is in a voxel.
+  bool holds(const Vec3& index) const {
+    return (index.array() >= -0.5).all() && (index.array() < Vec3(size[0], size[1], size[2]).array() - 0.5).all();
+  }
   /// m, the distances between neighbouring voxels' centres.
   Vec3 spacing() const { return axes.colwise().norm(); }
   double voxelVolume() const { return std::abs(axes.determinant()); }  // m^3

@@ -9,12 +9,9 @@ namespace palpate {
 namespace {
 
 bool isKnown(const Membership& m, const Vec3& index) {
-  int at[3];
-  for (int a = 0; a < 3; ++a) {
-    at[a] = static_cast<int>(std::lround(index[a]));
-    if (at[a] < 0 || at[a] >= m.share.grid.size[static_cast<std::size_t>(a)]) return false;
-  }
-  return !m.mask || (*m.mask)(at[0], at[1], at[2]) != 0;
+  if (!m.share.grid.holds(index)) return false;
+  const auto at = [&](int a) { return static_cast<int>(std::lround(index[a])); };
+  return !m.mask || (*m.mask)(at(0), at(1), at(2)) != 0;
 }
 
 }  // namespace
@@ -43,6 +40,12 @@ double meanShare(const Membership& membership, const std::array<Vec3, 4>& corner
   const Vec3 middle = (index[0] + index[1] + index[2] + index[3]) / 4;
   const double mean = count > 0 ? sum / count : nearestValue(membership.share, middle);
   return std::clamp(mean, 0.0, 1.0);
+}
+
+std::optional<double> shareAt(const Membership& membership, const Vec3& x) {
+  const Vec3 index = membership.share.grid.indexOf(x);
+  if (!isKnown(membership, index)) return {};
+  return std::clamp(static_cast<double>(linearValue(membership.share, index)), 0.0, 1.0);
 }
 
 std::string identityOf(const Membership& m) {

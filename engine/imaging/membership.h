@@ -19,6 +19,9 @@ struct Membership {
 /// Test: imaging/membership_test.cpp
 double meanShare(const Membership& membership, const std::array<Vec3, 4>& corners);
 
+/// The share at a place (m), between voxels; where the image or its mask says nothing: none.
+std::optional<double> shareAt(const Membership& membership, const Vec3& x);
+
 /// Bytes that tell a membership from others: size, place and all values.
 std::string identityOf(const Membership& membership);
 

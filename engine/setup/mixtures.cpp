@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/input_error.h"
+#include "base/number_text.h"
 #include "base/parallel_for.h"
 #include "imaging/membership.h"
 
@@ -28,6 +30,25 @@ Material mixed(const Material& first, const Material& second, double share) {
   material.set("poisson", (3 * K - 2 * mu) / (2 * (3 * K + mu)));
   material.set("density", mean(first.density, second.density));
   return material;
+}
+
+/// Throws InputError where a membership's image leaves out more than a tenth of the body: it is another's, or in another
+/// unit or frame.
+void checkCovers(const MaterialSpec& spec, const std::vector<Vec3>& X, const BackgroundCells& cells) {
+  constexpr double least = 0.9;
+  const ImageGrid& grid = spec.membership->share.grid;
+  double covered = 0, whole = 0;
+  for (std::size_t c = 0; c < cells.cells.size(); ++c) {
+    Vec3 middle = Vec3::Zero();
+    for (const int node : cells.cells[c]) middle += 0.25 * X[static_cast<std::size_t>(node)];
+    whole += cells.volume[c];
+    if (grid.holds(grid.indexOf(middle))) covered += cells.volume[c];
+  }
+  if (covered < least * whole)
+    throw InputError(spec.place,
+                     format("the membership's image holds %.0f %% of the organ, and says nothing of the rest",
+                            100 * covered / whole),
+                     "give an image that the organ lies in (it may be in another unit or frame)");
 }
 
 /// Without node patches the kernel multiplies whole stresses, shear and volume alike.
@@ -91,7 +112,9 @@ std::vector<int> mixtureBases(const Scene& scene) {
 }
 
 std::vector<double> cellShares(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells) {
-  const Membership& membership = *scene.materials[static_cast<std::size_t>(mixedMaterial(scene))].membership;
+  const MaterialSpec& spec = scene.materials[static_cast<std::size_t>(mixedMaterial(scene))];
+  const Membership& membership = *spec.membership;
+  checkCovers(spec, X, cells);
   std::vector<double> share(cells.cells.size());
   parallelFor(static_cast<int>(share.size()), [&](int first, int last) {
     for (int c = first; c < last; ++c) {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "imaging/membership.h"
 #include "scene/scene_regions.h"
+#include "setup/mixtures.h"
 
 namespace palpate {
 namespace {
@@ -60,14 +62,38 @@ class Shares {
   std::vector<double> volume, missed, unlike;  // (material_count) m^3; the last weighted by how unlike they are
 };
 
+ThinLayer mixedLayer(const Scene& scene, int mixed, const std::vector<Vec3>& X,
+                     const std::vector<std::array<int, 4>>& cells, const std::vector<int>& cell_material) {
+  constexpr double told = 0.05;  // error from which on it is: what trusted forces have
+  const auto& materials = scene.materials;
+  const MaterialSpec& other = materials[static_cast<std::size_t>(mixed)];
+  const double first = materials[0].material.shear_modulus, more = other.material.shear_modulus - first;
+  double by_image = 0, by_cells = 0;  // compliance times volume
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto& [i, j, k, l] = cells[c];
+    const double size = std::abs((X[j] - X[i]).cross(X[k] - X[i]).dot(X[l] - X[i])) / 6;
+    double sum = 0, compliance = 0, known = 0;
+    for (std::size_t s = 0; cell_material[c] == 0 && s < samples.size(); ++s) {
+      const auto& at = samples[s];
+      const auto share = shareAt(*other.membership, at[0] * X[i] + at[1] * X[j] + at[2] * X[k] + at[3] * X[l]);
+      if (share) sum += *share, compliance += 1 / (first + *share * more), ++known;
+    }
+    const double mean = known > 0 ? first + sum / known * more
+                                  : materials[static_cast<std::size_t>(cell_material[c])].material.shear_modulus;
+    by_cells += size / mean;
+    by_image += size * (known > 0 ? compliance / known : 1 / mean);
+  }
+  const double error = by_cells > 0 ? std::max(0.0, by_image / by_cells - 1) : 0;
+  return {error > told ? mixed : -1, error};
+}
+
 }  // namespace
 
 ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std::vector<Vec3>& X,
                         const std::vector<std::array<int, 4>>& cells, const std::vector<int>& cell_material) {
   const std::size_t count = scene.materials.size();
-  const bool mixes = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                 [](const MaterialSpec& m) { return m.membership != nullptr; });
-  if (count < 2 || mixes) return {};
+  if (count < 2) return {};
+  if (const int mixed = mixedMaterial(scene); mixed > 0) return mixedLayer(scene, mixed, X, cells, cell_material);
   std::vector<int> of_node;
   for (const Vec3& x : X) of_node.push_back(materialAt(scene, x, organ));
   // What has no node may lie within cells; but a shell, whose depth takes long to find, has all nodes on the surface.

@@ -373,6 +373,13 @@ std::string layerWarning(const Body& body) {
   if (body.thin_layer < 0) return {};
   const auto number = static_cast<std::size_t>(body.thin_layer);
   const MaterialSpec& layer = body.scene.materials[number];
+  if (layer.membership)
+    return layer.place.text() +
+           format(
+               ": borders of the membership's image run through cells, which have the mean of both tissues there: too "
+               "stiff where one lies upon the other; forces may be off by %.2g %%. Finer nodes (refine, or spacing), "
+               "or a region for what is layered, would do",
+               100 * body.layer_error);
   return placeOf(body.scene, "discretization").text() +
          format(
              ": material %zu%s is a layer thinner than the nodes are apart, and the cells see little of it: forces "

@@ -132,6 +132,7 @@ Identified identify(const std::vector<SoughtParameter>& sought,
   if (r.size() <= count) throw std::invalid_argument("fewer residuals than parameters to seek");
   MatrixXd J(r.size(), count);
   double lambda = 1e-3;
+  bool central = false;  // in a narrow valley one-sided differences lead astray
   for (int iteration = 0; iteration < max_iterations && !result.converged; ++iteration) {
     if (derivatives) {
       const std::vector<std::vector<double>> slopes = derivatives(valuesAt(q));
@@ -141,9 +142,11 @@ Identified identify(const std::vector<SoughtParameter>& sought,
                       coordinate[static_cast<std::size_t>(k)].slopeAt(q[k]);
     }
     for (Eigen::Index k = 0; k < count && !derivatives; ++k) {
-      VectorXd beside = q;
-      beside[k] += difference;
-      J.col(k) = (evaluate(beside) - r) / difference;
+      VectorXd above = q, below = q;
+      above[k] += difference;
+      below[k] -= difference;
+      J.col(k) = central ? VectorXd((evaluate(above) - evaluate(below)) / (2 * difference))
+                         : VectorXd((evaluate(above) - r) / difference);
     }
     const MatrixXd A = J.transpose() * J;
     const VectorXd g = J.transpose() * r;
@@ -160,14 +163,18 @@ Identified identify(const std::vector<SoughtParameter>& sought,
       } catch (const std::runtime_error&) {  // values at which there is no answer
       }
       better = tried && tried->squaredNorm() <= r.squaredNorm();
-      result.converged = step.norm() < arrived;
-      if (better) q += step, r = *tried, lambda = std::max(lambda / 10, 1e-9);
-      if (result.converged) break;
-      if (!better) lambda *= 10;
+      if (better) {
+        q += step, r = *tried, lambda = std::max(lambda / 10, 1e-9);
+        result.converged = step.norm() < arrived;
+      } else if (step.norm() < arrived) {
+        break;  // short because it is damped: says nothing
+      } else {
+        lambda *= 10;
+      }
     }
-    if (!better) break;
+    if (!better && (central || derivatives)) break;
+    if (!better) central = true, lambda = 1e-3;
   }
-  result.converged = result.converged || (J.transpose() * r).norm() < 1e-3 * J.norm() * r.norm();
 
   const Eigen::JacobiSVD<MatrixXd> svd(J, Eigen::ComputeThinV);
   const VectorXd& s = svd.singularValues();
@@ -177,6 +184,9 @@ Identified identify(const std::vector<SoughtParameter>& sought,
   result.told_apart = s[count - 1] > told_apart_from * s[0];
   for (Eigen::Index k = 0; k < count; ++k)
     if (coordinate[static_cast<std::size_t>(k)].isRelative() && !(half[k] < widest_told)) result.told_apart = false;
+  // Where no step is better any more: the whole step, or what noise leaves of it.
+  constexpr double near = 10 * arrived, of_interval = 0.3;
+  result.converged = result.converged || (stepFor(J, r).array().abs() < (of_interval * half).array().max(near)).all();
   result.value = valuesAt(q);
   result.low = valuesAt(q - half);
   result.high = valuesAt(q + half);
