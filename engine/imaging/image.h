@@ -73,6 +73,9 @@ float linearValue(const Image& image, const Vec3& index);
 /// By cubic convolution (Catmull-Rom: exact for quadratics), clamped to the values of the eight voxels around.
 float cubicValue(const Image& image, const Vec3& index);
 
+/// Beyond it whole numbers next to one another are the same as voxels keep them.
+inline constexpr int largest_label = 1 << 24;
+
 /// Voxels at which the image is above a half, or is one of `labels` where there are some.
 Mask maskOf(const Image& image, const std::vector<int>& labels = {});
 

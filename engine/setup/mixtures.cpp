@@ -32,8 +32,8 @@ Material mixed(const Material& first, const Material& second, double share) {
   return material;
 }
 
-/// Throws InputError where a membership's image leaves out more than a tenth of the body: it is another's, or in another
-/// unit or frame.
+/// Throws InputError where a membership's image leaves out more than a tenth of the body: it is another's, or in
+/// another unit or frame.
 void checkCovers(const MaterialSpec& spec, const std::vector<Vec3>& X, const BackgroundCells& cells) {
   constexpr double least = 0.9;
   const ImageGrid& grid = spec.membership->share.grid;

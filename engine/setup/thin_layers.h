@@ -11,9 +11,9 @@ namespace palpate {
 /// A material of which the background cells, each of the material at its middle, see little: a layer thinner than they
 /// are. Where tissue deforms smoothly in spite of it, nothing else tells (a soft base of 2 mm under nodes 7 mm apart:
 /// force a fifth too large, 2 % expected).
-/// And so does a material with a membership whose borders run through cells: these have the mean of the moduli, which
-/// is that of tissues side by side, and stiffer than of one upon the other (a column of 20 kPa with a layer of 2 kPa and
-/// 10 mm, nodes 5 mm apart: 23 % too stiff, 0.6 % expected).
+/// And so does a material with a membership whose borders run through cells: these have the mean of the moduli, which is
+/// that of tissues side by side, and stiffer than of one upon the other (a column of 20 kPa with a layer of 2 kPa and 10
+/// mm, nodes 5 mm apart: 23 % too stiff, 0.6 % expected).
 struct ThinLayer {
   int material = -1;  // index into the scene's, where it should be told of; -1: there is none
   double error = 0;  // to expect of forces: half of the share of its volume that cells have for other materials, as far
@@ -22,8 +22,8 @@ struct ThinLayer {
 
 /// The worst one. Cells see 97 % or more of lumps and borders that nodes are put on, 84 % of a ball of 1.5 spacings
 /// radius (4 % off, as expected without); 65 to 0 % of layers that made forces 15 to 30 % wrong. So what is below a
-/// quarter counts as seen. Where tissue mixes by a membership, the body's compliance with all in series, as the image has
-/// it at places within the cells, over that with the cells' means, less 1.
+/// quarter counts as seen. Where tissue mixes by a membership, the body's compliance with all in series, as the image
+/// has it at places within the cells, over that with the cells' means, less 1.
 /// @param cell_material  (cell_count)
 /// Test: simulation/thin_layers_test.cpp
 ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std::vector<Vec3>& X,

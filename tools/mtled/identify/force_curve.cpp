@@ -29,11 +29,17 @@ struct Column {
   double scale = 1;
 };
 
-/// The first of the columns that a table has; none: null.
+/// The first of the columns that a table has; none: null. Throws InputError where it has one in two units.
 const Column* columnOf(const CsvTable& table, const std::vector<Column>& columns) {
   const auto found =
       std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return table.find(c.name) >= 0; });
-  return found == columns.end() ? nullptr : &*found;
+  if (found == columns.end()) return nullptr;
+  const auto other = std::find_if(found + 1, columns.end(),
+                                  [&](const Column& c) { return c.scale != found->scale && table.find(c.name) >= 0; });
+  if (other != columns.end())
+    throw InputError(table.header, "columns " + found->name + " and " + other->name + " for the same",
+                     "leave one of them out");
+  return &*found;
 }
 
 /// A row of the file: where the tool was, and its force.

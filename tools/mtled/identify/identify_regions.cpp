@@ -81,6 +81,8 @@ Figure figureOfRegions(const std::string& scene, const std::string& parameter, c
   return figure;
 }
 
+constexpr double least_force = 0.02;  // of the largest: less is noise where nothing is touched
+
 /// m, of a press: how far its tip is past where it touched. Not finite: the tool meets no skin that way.
 double depthOf(const Model& model, const SettledPress& press) {
   const ToolSetUp& tool = model.tools.first();
@@ -171,6 +173,11 @@ int identifyRegions(const IdentifyOptions& options) {
         throw InputError(
             {options.measured}, "no press touches the scene's body",
             "give the tip where the tool had come to rest, in the scene's coordinates; x_mm for millimetres");
+      for (std::size_t k = 0; k < r.size(); ++k)
+        if (!(r[k] > 0) && presses[k].force > least_force * largest->force)
+          throw InputError({options.measured, presses[k].line},
+                           format("a press with a force of %.3g N touches nothing", presses[k].force),
+                           "is its place right? Leave it out if not");
       MeasuredCurve strongest;
       strongest.force = {largest->force};
       checkUnits(strongest, options.measured, r[hardest]);

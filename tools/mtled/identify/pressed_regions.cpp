@@ -17,6 +17,9 @@ namespace {
 /// A column of m or mm, N or mN, as m or N.
 std::vector<double> columnIn(const CsvTable& table, const std::string& name, const std::string& unit) {
   if (table.find(name + "_m" + unit) < 0) return table[name + "_" + unit];
+  if (table.find(name + "_" + unit) >= 0)
+    throw InputError(table.header, "columns " + name + "_" + unit + " and " + name + "_m" + unit + " for the same",
+                     "leave one of them out");
   std::vector<double> column = table[name + "_m" + unit];
   for (double& value : column) value *= 1e-3;
   return column;

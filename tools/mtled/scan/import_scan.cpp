@@ -98,15 +98,35 @@ Mask onScan(Import& import, const Mask& found) {
     for (int j = 0; j < mask.grid.size[1]; ++j)
       for (int i = 0; i < mask.grid.size[0]; ++i) {
         const Vec3 index = found.grid.indexOf(mask.grid.worldOf(i, j, k));
-        int at[3];
-        bool within = true;
-        for (int a = 0; a < 3; ++a) {
-          at[a] = static_cast<int>(std::lround(index[a]));
-          within = within && at[a] >= 0 && at[a] < found.grid.size[static_cast<std::size_t>(a)];
-        }
-        mask(i, j, k) = within ? found(at[0], at[1], at[2]) : 0;
+        const auto at = [&](int a) { return static_cast<int>(std::lround(index[a])); };
+        mask(i, j, k) = found.grid.holds(index) ? found(at(0), at(1), at(2)) : 0;
       }
+  std::size_t outside = 0;
+  for (int k = 0; k < found.grid.size[2]; ++k)
+    for (int j = 0; j < found.grid.size[1]; ++j)
+      for (int i = 0; i < found.grid.size[0]; ++i)
+        outside += found(i, j, k) != 0 && !mask.grid.holds(mask.grid.indexOf(found.grid.worldOf(i, j, k)));
+  if (outside > 0)
+    import.note(format("%.3g ml of the mask (%.2g %%) are outside of the scan: left out",
+                       1e6 * static_cast<double>(outside) * found.grid.voxelVolume(),
+                       100 * static_cast<double>(outside) / static_cast<double>(countOf(found))));
   return mask;
+}
+
+/// An organ that goes on where the image ends.
+void noteEdges(Import& import) {
+  const Mask& mask = import.mask;
+  std::size_t count = 0;
+  for (int k = 0; k < mask.grid.size[2]; ++k)
+    for (int j = 0; j < mask.grid.size[1]; ++j)
+      for (int i = 0; i < mask.grid.size[0]; ++i) {
+        const std::array<int, 3> at{i, j, k};
+        bool edge = false;
+        for (std::size_t a = 0; a < 3; ++a) edge = edge || at[a] == 0 || at[a] + 1 == mask.grid.size[a];
+        count += edge && mask(i, j, k) != 0;
+      }
+  if (count > 0)
+    import.note(format("the organ reaches the image's edge at %zu voxels: it ends there, as if it were cut", count));
 }
 
 /// What a mask's values say that a mask's don't.
@@ -180,11 +200,19 @@ void readImages(Import& import) {
   const Image of_file = reader.get();
   for (const std::string& text : of_mask) import.note(text);
   noteValues(import, of_file);
-  for (const int label : import.options.label)
+  for (const int label : import.options.label) {
+    if (label > largest_label)
+      throw InputError({maskFile(import.options)}, format("the label %d is too large to be told from the next", label),
+                       "number the labels anew, up to 16,777,216");
     if (std::find(of_file.value.begin(), of_file.value.end(), static_cast<float>(label)) == of_file.value.end())
       import.note(format("%s: no voxel has the label %d", maskFile(import.options).c_str(), label));
-  const Mask given = onScan(import, maskOf(of_file, import.options.label));
+  }
+  const Mask of_organ = maskOf(of_file, import.options.label);
+  const Mask given = onScan(import, of_organ);
   MaskParts parts;
+  if (countOf(given) == 0 && countOf(of_organ) > 0)
+    throw InputError({maskFile(import.options)}, "the organ is outside of the scan",
+                     "is one of the two in another unit or frame?");
   if (countOf(given) == 0)
     throw InputError({maskFile(import.options)}, "no voxel is in the organ",
                      import.options.label.empty() ? "is it a mask of 0 and 1?" : "are the labels right?");
@@ -197,6 +225,7 @@ void readImages(Import& import) {
     import.note(
         format("holes of %.3g ml inside the mask are filled", static_cast<double>(parts.filled_voxels) * voxel_ml));
   checkSize(import);
+  noteEdges(import);
   const double volume = static_cast<double>(countOf(import.mask)) * import.mask.grid.voxelVolume();
   import.spacing =
       import.options.spacing_mm > 0 ? import.options.spacing_mm * mm : spacingFor(volume, import.options.nodes);

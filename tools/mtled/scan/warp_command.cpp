@@ -130,6 +130,14 @@ void drawShift(const std::string& png, const Image& before, const Image& after, 
                  boxOf(touched, 0.012), place, low, high));
 }
 
+/// Throws InputError where values are none that keep their numbers.
+void checkLabels(const std::string& file, const Image& image) {
+  for (const float value : image.value)
+    if (value != std::round(value) || std::abs(value) > largest_label)
+      throw InputError({file, 0, 0}, format("%.9g is no label", value),
+                       "labels are whole numbers up to 16,777,216: leave --labels out, or number them anew");
+}
+
 }  // namespace
 
 int warpCommand(const WarpOptions& options) {
@@ -150,6 +158,7 @@ int warpCommand(const WarpOptions& options) {
     int nodes = 0;
     const auto whole = deformationOf(options.folder, spacing, nodes);
     Image image = reader.get();
+    if (options.labels) checkLabels(options.image, image);
     const ImageGrid grid = options.like.empty() ? image.grid : readImage(options.like, reading).grid;
     if (options.image.empty()) image.grid = grid;
     const auto loaded = std::chrono::steady_clock::now();
@@ -159,6 +168,10 @@ int warpCommand(const WarpOptions& options) {
     const InverseDeformation inverse(sampled);
     const BackwardField field = backwardField(sampled, inverse, grid, partOf(progress, 0.3, 0.3, "inverting it"));
     const auto inverted = std::chrono::steady_clock::now();
+    if (countOf(field.body) == 0)
+      throw InputError({(options.like.empty() ? options.image : options.like), 0, 0},
+                       "no voxel is in the body of " + options.folder,
+                       "give an image of it (that may be in another unit or frame)");
     partOf(progress, 0.6, 0, "checking it")(0);
     const WarpCheck check = checkField(field, *whole, inverse, checked_voxels);
     const auto checked = std::chrono::steady_clock::now();
