@@ -48,6 +48,10 @@ TEST_CASE("Memberships that can't be mixed are refused with the reason", "[io][s
              Contains("region"));
   CHECK_THAT(refused(minimal_scene + replaced(fluid, "poisson = 0.49\n", "poisson = 0.49\nrelaxation = [[0.1, 1]]\n")),
              Contains("without relaxation"));
+  folder.write("percent.nii.gz", niftiFrom(Image(ImageGrid({3, 3, 3}, 1e-3 * Mat3::Identity(), Vec3::Zero()), 30),
+                                           NiftiType::Float32, true));
+  CHECK_THAT(refused(minimal_scene + replaced(fluid, "csf.nii.gz", "percent.nii.gz")),
+             Contains("values from 30 to 30") && Contains("0 to 1"));
   const std::string ogden = replaced(minimal_scene, "\"neo-hookean\"\nyoung = 3000\npoisson = 0.49",
                                      "\"ogden\"\nmu = [1000]\nalpha = [2]\nD1 = 1e-4");
   CHECK_THAT(refused(ogden + fluid), Contains("only neo-Hookean"));

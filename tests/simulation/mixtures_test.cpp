@@ -212,6 +212,15 @@ TEST_CASE("Unlike Poisson's ratios without node patches are refused", "[simulati
   CHECK_THROWS_WITH(buildModel(scene, organSurface(scene)), Catch::Contains("paper"));
 }
 
+TEST_CASE("An image that leaves out a part of the organ is refused", "[simulation][mixtures][refusal]") {
+  Scene scene = ballScene(0.016);
+  auto image = std::make_shared<Membership>(*scene.materials[1].membership);
+  image->share.grid.origin.x() += 0.04;
+  scene.materials[1].membership = image;
+  CHECK_THROWS_WITH(buildModel(scene, organSurface(scene)),
+                    Catch::Contains(" % of the organ, and says nothing of the rest"));
+}
+
 TEST_CASE("Forces of mixtures are their energy's slope, where cells hold the volume too", "[simulation][mixtures]") {
   Scene scene = ballScene(0.016, 600, 0.49);
   scene.discretization.formulation.cell_volume = true;

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "imaging/membership.h"
 #include "step/resolution.h"
 #include "step/step.h"
 #include "step/tool_bodies.h"
@@ -72,4 +73,28 @@ TEST_CASE("A layer that lies within cells, with no node in it, is told and doubt
   scene.materials[1].region.point = Vec3(0.003, 0.002, 0.02);
   scene.materials[1].region.radius = 0.001;
   CHECK(test::blockModel(scene).thin_layer < 0);
+}
+
+TEST_CASE("An image's border within cells is an error to expect: as much as tissue in series is softer",
+          "[simulation][resolution]") {
+  // 30 mm of 20 kPa, of which 10 are 2 kPa: by the image, in voxels of 1 mm.
+  Scene scene = test::blockScene(0.006);
+  scene.materials[0].material.set("young", 20e3);
+  scene.materials.push_back(scene.materials[0]);
+  MaterialSpec& soft = scene.materials[1];
+  soft.material.set("young", 2e3);
+  soft.everywhere = false;
+  auto image = std::make_shared<Membership>();
+  image->share = Image(ImageGrid({62, 62, 32}, 1e-3 * Mat3::Identity(), Vec3(-0.0305, -0.0305, -0.0005)));
+  for (int k = 10; k < 20; ++k)
+    for (int j = 0; j < 62; ++j)
+      for (int i = 0; i < 62; ++i) image->share(i, j, k) = 1;
+  soft.membership = image;
+  const Model model = test::blockModel(scene);
+  // With all in series, of what the cells have: between none, and what a third of the layer's thickness would be.
+  CHECK(model.layer_error > 0.1);
+  CHECK(model.layer_error < 0.6);
+  CHECK_THAT(layerWarning(model), Catch::Contains("membership's image run through cells"));
+  soft.material.set("young", 20e3);
+  CHECK(test::blockModel(scene).layer_error < 1e-6);
 }

@@ -395,11 +395,28 @@ TEST_CASE("A fine scene is pressed two to four times, its search being on a coar
   CHECK(young["high_95"] > 4321);
 }
 
+TEST_CASE("A narrow, bent valley is gone along to its end, and a step that is only damped is no arrival",
+          "[identify]") {
+  // Of the misfit b matters a thousandth of what a b does, as near to incompressible as tissue is.
+  const auto valley = [](const std::vector<double>& p) {
+    const double product = p[0] * std::pow(p[1], 1.7);
+    return std::vector<double>{30 * (product - 2 * std::pow(3.0, 1.7)), 0.05 * (p[1] - 3),
+                               10 * (product * product - 4 * std::pow(3.0, 3.4))};
+  };
+  for (const std::vector<double>& start : {std::vector<double>{8, 0.6}, std::vector<double>{0.4, 9}}) {
+    const Identified found = identify({{"a", above(0), start[0]}, {"b", above(0), start[1]}}, valley);
+    INFO(found.value[0] << " " << found.value[1] << " after " << found.evaluations);
+    CHECK((!found.converged || (std::abs(found.value[1] - 3) < 0.01 && std::abs(found.value[0] - 2) < 0.01)));
+  }
+}
+
 TEST_CASE("A file that is no force curve is refused with its place", "[identify]") {
   const TempFolder folder;
   const auto refused = [&](const std::string& text) {
     return refusal([&] { readForceCurve(folder.write("f.csv", text)); });
   };
+  CHECK_THAT(refused("depth_m,depth_mm,force_N\n0.001,1,2\n"),
+             Contains("f.csv:1: columns depth_m and depth_mm for the same"));
   CHECK_THAT(refused("time,force\n1,2\n"), Contains("f.csv:1: there is no column depth_m"));
   CHECK_THAT(refused("depth_m,force_N\n0.001,x\n"),
              Contains("f.csv:2:7: \"x\" is not a number") && Contains("force_N"));

@@ -164,6 +164,9 @@ TEST_CASE("Presses that can't be used are refused with their place", "[identify]
   CHECK_THAT(refused(header + press + press), Contains("2 presses for 4 materials"));
   const std::string far = "0,0,27.5,0.1\n";
   CHECK_THAT(refused(header + far + far + far + far + far), Contains("no press touches"));
+  CHECK_THAT(refused(header + press + press + press + press + "0,0,0.06,0.1\n"),
+             Contains("presses.csv:6: a press with a force of 0.1 N touches nothing"));
+  CHECK_THAT(refused("x_m,x_mm,y_m,z_m,force_N\n0,0,0,0.0275,0.1\n"), Contains("columns x_m and x_mm for the same"));
   CHECK_THAT(refused(tableOf(std::vector<double>(12, -0.1), 0, 0)), Contains("no press has a force above 0"));
   CHECK_THAT(refused(tableOf(std::vector<double>(12, 100), 0, 0)), Contains("force_mN for millinewtons"));
   const std::string rough = folder.write("rough.toml", replaced(quarters(), "friction = 0", "friction = 0.3"));

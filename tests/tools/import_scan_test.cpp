@@ -89,6 +89,16 @@ TEST_CASE("From a scan to a warped scan: import, solve, warp", "[import_scan][wh
   const Image labels = readImage(folder.path("labels/warped.nii.gz"));
   CHECK(std::all_of(labels.value.begin(), labels.value.end(),
                     [](float a) { return a == 0 || a == 1 || a == 2 || a == 3; }));
+
+  Image shares = readImage(import.scan);
+  for (float& a : shares.value) a = 0.4F;
+  warp.image = folder.path("shares.nii");
+  writeImage(warp.image, shares, NiftiType::Float32);
+  CHECK_THAT(refusal([&] { warpCommand(warp); }), Contains("shares.nii: 0.4") && Contains("is no label"));
+  warp.labels = false;
+  shares.grid.origin.x() += 5;
+  writeImage(warp.image, shares, NiftiType::Float32);
+  CHECK_THAT(refusal([&] { warpCommand(warp); }), Contains("shares.nii: no voxel is in the body of"));
   ::unsetenv("PALPATE_CACHE_DIR");
 }
 
@@ -110,6 +120,12 @@ TEST_CASE("Scans that can't be imported are refused with what is missing", "[imp
                o.label = {7};
              }),
              Contains("labels right"));
+  CHECK_THAT(refused([&](auto& o) {
+               o.labels = folder.path("phantom/labels.nii.gz");
+               o.mask = "";
+               o.label = {614454280};
+             }),
+             Contains("the label 614454280 is too large"));
   CHECK_THAT(refused([](auto& o) {
                o.frame = "";
                o.classes = 0;
@@ -132,6 +148,10 @@ TEST_CASE("Scans that can't be imported are refused with what is missing", "[imp
                o.fix = {"0,0,0,500"};
              }),
              Contains("give a smaller ball"));
+  Mask elsewhere = maskOf(readImage(good.mask), {});
+  elsewhere.grid.origin.x() += 1;
+  writeImage(folder.path("elsewhere.nii.gz"), elsewhere);
+  CHECK_THAT(refused([&](auto& o) { o.mask = folder.path("elsewhere.nii.gz"); }), Contains("outside of the scan"));
   // A sheet of a single layer of voxels, and crumbs.
   Mask thin = maskOf(readImage(good.mask), {});
   for (int k = 0; k < thin.grid.size[2]; ++k)
@@ -201,6 +221,13 @@ TEST_CASE("What a scan or its mask has of its own is told: zeros, values between
   CHECK_THAT(cut.at("warnings").dump(), Contains("tails thinner than"));
   CHECK(cut.at("mask_voxels").get<std::size_t>() < countOf(tailed));
   CHECK(cut.at("mask_voxels").get<std::size_t>() > 0.99 * static_cast<double>(countOf(organ)));
+  // A mask that reaches beyond the scan, whose edge then cuts the organ.
+  Mask beyond = organ;
+  beyond.grid.origin.x() += 0.4 * nx * beyond.grid.spacing().x();
+  import.mask = folder.path("beyond.nii");
+  writeImage(import.mask, beyond);
+  CHECK_THAT(reported().at("warnings").dump(),
+             Contains("are outside of the scan: left out") && Contains("the organ reaches the image's edge at "));
   // Which electrode is where it is held, before anything is made.
   import = smallPhantom(folder);
   import.fix = {"0,0,80,60"};
