@@ -292,6 +292,20 @@ TEST_CASE("While the force is good, what was doubted of it before is told, unles
   panels.forces_.clear();
   panels.force_.sample.doubt = Doubt::None;
   CHECK_FALSE(told("doubt"));
+
+  // A light touch of a rigid body's beside a tool that presses: its error is of its own force.
+  sample = {};
+  sample.error_by = 0;
+  add(1, Doubt::None, 0.01);
+  sample.error_by = max_tools;
+  sample.time_s += 0.1;
+  sample.doubt = Doubt::Resolution;
+  sample.expected_error = 0.2;
+  sample.error_force = 0.02;
+  panels.forces_.add(sample);
+  sample.error_by = 0;
+  add(1, Doubt::None, 0.01);
+  CHECK(told("doubted: resolution"));
 }
 
 TEST_CASE("A slider's value stands above it, where no handle hides it, and is rounded to what is told", "[panels]") {
