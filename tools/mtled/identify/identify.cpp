@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 constexpr int max_iterations = 20;
 constexpr double difference = 0.02;       // of a coordinate: far above float32's noise in the forces
 constexpr double arrived = 2e-4;          // change of the coordinates: a fiftieth of a percent
+constexpr double hardly_damped = 1e-3;    // lambda, up to which such a step says that it has
 constexpr double largest_step = 1;        // a factor of 2.7 at once
 constexpr double told_apart_from = 1e-3;  // singular values of the derivatives, as shares of the largest
 // Of residuals, where something else explains them. Half may be the cloud's: it is told as a question, and widens the
@@ -133,7 +134,7 @@ Identified identify(const std::vector<SoughtParameter>& sought,
   MatrixXd J(r.size(), count);
   double lambda = 1e-3;
   bool central = false;  // in a narrow valley one-sided differences lead astray
-  for (int iteration = 0; iteration < max_iterations && !result.converged; ++iteration) {
+  for (int iteration = 0, arrivals = 0; iteration < max_iterations && arrivals == 0; ++iteration) {
     if (derivatives) {
       const std::vector<std::vector<double>> slopes = derivatives(valuesAt(q));
       for (Eigen::Index k = 0; k < count; ++k)
@@ -164,10 +165,10 @@ Identified identify(const std::vector<SoughtParameter>& sought,
       }
       better = tried && tried->squaredNorm() <= r.squaredNorm();
       if (better) {
+        arrivals += step.norm() < arrived && lambda <= hardly_damped;
         q += step, r = *tried, lambda = std::max(lambda / 10, 1e-9);
-        result.converged = step.norm() < arrived;
       } else if (step.norm() < arrived) {
-        break;  // short because it is damped: says nothing
+        break;
       } else {
         lambda *= 10;
       }
@@ -184,9 +185,9 @@ Identified identify(const std::vector<SoughtParameter>& sought,
   result.told_apart = s[count - 1] > told_apart_from * s[0];
   for (Eigen::Index k = 0; k < count; ++k)
     if (coordinate[static_cast<std::size_t>(k)].isRelative() && !(half[k] < widest_told)) result.told_apart = false;
-  // Where no step is better any more: the whole step, or what noise leaves of it.
+  // By the whole step that is left, or what noise leaves of it: one that is damped may be as short anywhere.
   constexpr double near = 10 * arrived, of_interval = 0.3;
-  result.converged = result.converged || (stepFor(J, r).array().abs() < (of_interval * half).array().max(near)).all();
+  result.converged = (stepFor(J, r).array().abs() < (of_interval * half).array().max(near)).all();
   result.value = valuesAt(q);
   result.low = valuesAt(q - half);
   result.high = valuesAt(q + half);
