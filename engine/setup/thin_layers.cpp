@@ -65,6 +65,9 @@ class Shares {
 ThinLayer mixedLayer(const Scene& scene, int mixed, const std::vector<Vec3>& X,
                      const std::vector<std::array<int, 4>>& cells, const std::vector<int>& cell_material) {
   constexpr double told = 0.05;  // error from which on it is: what trusted forces have
+  // Displacements are as smooth as supports are wide, not cells: columns and balls over layers are 1.4 to 2.9 times as
+  // far off as their cells are.
+  constexpr double of_supports = 2;
   const auto& materials = scene.materials;
   const MaterialSpec& other = materials[static_cast<std::size_t>(mixed)];
   const double first = materials[0].material.shear_modulus, more = other.material.shear_modulus - first;
@@ -83,7 +86,7 @@ ThinLayer mixedLayer(const Scene& scene, int mixed, const std::vector<Vec3>& X,
     by_cells += size / mean;
     by_image += size * (known > 0 ? compliance / known : 1 / mean);
   }
-  const double error = by_cells > 0 ? std::max(0.0, by_image / by_cells - 1) : 0;
+  const double error = by_cells > 0 ? of_supports * std::max(0.0, by_image / by_cells - 1) : 0;
   return {error > told ? mixed : -1, error};
 }
 
