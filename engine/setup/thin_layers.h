@@ -23,8 +23,8 @@ struct ThinLayer {
 /// The worst one. Cells see 97 % or more of lumps and borders that nodes are put on, 84 % of a ball of 1.5 spacings
 /// radius (4 % off, as expected without); 65 to 0 % of layers that made forces 15 to 30 % wrong. So what is below a
 /// quarter counts as seen. Where tissue mixes by a membership, the body's compliance with all in series, as the image
-/// has it at places within the cells, over that with the cells' means, less 1, times 2: 49 % for 35, 50 for 50, 29 for 23,
-/// and of a ball over such a layer 69 for 100 and 24 for 27.
+/// has it at places within the cells, over that with the cells' means, less 1, times 2: 49 % for 35, 50 for 50, 29 for
+/// 23, and of a ball over such a layer 69 for 100 and 24 for 27.
 /// @param cell_material  (cell_count)
 /// Test: simulation/thin_layers_test.cpp
 ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std::vector<Vec3>& X,
