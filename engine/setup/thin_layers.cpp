@@ -96,7 +96,11 @@ ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std:
                         const std::vector<std::array<int, 4>>& cells, const std::vector<int>& cell_material) {
   const std::size_t count = scene.materials.size();
   if (count < 2) return {};
-  if (const int mixed = mixedMaterial(scene); mixed > 0) return mixedLayer(scene, mixed, X, cells, cell_material);
+  if (const int mixed = mixedMaterial(scene); mixed > 0) {
+    const bool measured = std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
+                                      [](const BoundarySpec& b) { return b.points != nullptr; });
+    return measured ? ThinLayer{} : mixedLayer(scene, mixed, X, cells, cell_material);
+  }
   std::vector<int> of_node;
   for (const Vec3& x : X) of_node.push_back(materialAt(scene, x, organ));
   // What has no node may lie within cells; but a shell, whose depth takes long to find, has all nodes on the surface.

@@ -24,7 +24,8 @@ struct ThinLayer {
 /// radius (4 % off, as expected without); 65 to 0 % of layers that made forces 15 to 30 % wrong. So what is below a
 /// quarter counts as seen. Where tissue mixes by a membership, the body's compliance with all in series, as the image
 /// has it at places within the cells, over that with the cells' means, less 1, times 2: 49 % for 35, 50 for 50, 29 for
-/// 23, and of a ball over such a layer 69 for 100 and 24 for 27.
+/// 23, and of a ball over such a layer 69 for 100 and 24 for 27. None where measured points move the organ: their
+/// displacements are wanted of it, not forces.
 /// @param cell_material  (cell_count)
 /// Test: simulation/thin_layers_test.cpp
 ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std::vector<Vec3>& X,
