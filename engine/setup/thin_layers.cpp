@@ -98,7 +98,7 @@ ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std:
   if (count < 2) return {};
   if (const int mixed = mixedMaterial(scene); mixed > 0) {
     const bool measured = std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
-                                      [](const BoundarySpec& b) { return b.points != nullptr; });
+                                      [](const BoundarySpec& b) { return b.region.kind == Region::Kind::Point; });
     return measured ? ThinLayer{} : mixedLayer(scene, mixed, X, cells, cell_material);
   }
   std::vector<int> of_node;
