@@ -46,12 +46,12 @@ Scene withOptions(Scene scene, const palpate_options& options) {
 /// "": none is wanted. Throws Refusal where it is no folder and can't be made one.
 std::string cacheFolder(const palpate_options& options) {
   const std::string folder = options.cache_folder != nullptr ? options.cache_folder : "";
-  std::error_code problem;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, problem) &&
-      !std::filesystem::create_directories(folder, problem))
-    throw Refusal(PALPATE_BAD_ARGUMENT,
-                  "options.cache_folder " + inQuotes(folder) + " can't be made: " +
-                      (problem ? problem : std::make_error_code(std::errc::not_a_directory)).message());
+  if (folder.empty()) return folder;
+  std::error_code problem, none;
+  std::filesystem::create_directories(folder, problem);
+  if (!std::filesystem::is_directory(folder, none))
+    throw Refusal(PALPATE_BAD_ARGUMENT, "options.cache_folder " + inQuotes(folder) +
+                                            " can't be made: " + (problem ? problem.message() : "it is a file"));
   return folder;
 }
 

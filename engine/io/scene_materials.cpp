@@ -139,9 +139,9 @@ std::shared_ptr<const Membership> readMembership(const TomlTable& table, const s
       throw InputError(table.place("membership"), "a second material with a membership", "one of a scene may have it");
   auto membership = std::make_shared<Membership>();
   membership->share = readImage(file("membership"), {}, table.place("membership"));
-  constexpr float rounding = 1e-3F;
+  constexpr float overshoot = 0.2F;  // of resampling by splines: taken as 0 and 1
   const auto [least, most] = std::minmax_element(membership->share.value.begin(), membership->share.value.end());
-  if (*least < -rounding || *most > 1 + rounding)
+  if (*least < -overshoot || *most > 1 + overshoot)
     throw InputError(table.place("membership"), format("values from %.3g to %.3g", *least, *most),
                      "a membership is a share, 0 to 1: divide one in percent, or of 0 to 255");
   if (!table.has("mask")) return membership;

@@ -1,5 +1,6 @@
 #include "setup/clip_to_region.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -44,6 +45,8 @@ void cutRound(const std::array<Vec3, 3>& corner, const Vec3& centre, const Vec3&
 }  // namespace
 
 ClippedTriangle clipToRegion(const Region& region, const std::array<Vec3, 3>& corner) {
+  const ClippedTriangle whole{1, Vec3::Constant(1.0 / 3)};
+  if (std::all_of(corner.begin(), corner.end(), [&](const Vec3& x) { return region.contains(x); })) return whole;
   Polygon polygon{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   const auto keep = [&](const Vec3& point, const Vec3& normal) { cut(corner, point, normal, polygon); };
   switch (region.kind) {
@@ -67,6 +70,7 @@ ClippedTriangle clipToRegion(const Region& region, const std::array<Vec3, 3>& co
       break;
     case Region::Kind::Sphere: {  // a circle in the triangle's plane
       const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
+      if (normal.isZero(0)) return {};
       const double height = (region.point - corner[0]).dot(normal);
       const double squared = region.radius * region.radius - height * height;
       if (!(squared > 0)) return {};

@@ -26,17 +26,21 @@ Vec3 at(const Body& body, const Facet& f, const Vec3& l) {
   return l[0] * body.X[f[0]] + l[1] * body.X[f[1]] + l[2] * body.X[f[2]];
 }
 
-/// The corners of n^2 equal triangles that a facet is divided into, in its linear shape functions.
-std::vector<std::array<Vec3, 3>> evenParts(int n) {
-  std::vector<std::array<Vec3, 3>> parts;
-  const auto corner = [n](int i, int j) { return Vec3(1.0 * i / n, 1.0 * j / n, 1.0 * (n - i - j) / n); };
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; i + j < n; ++j) {
-      parts.push_back({corner(i, j), corner(i + 1, j), corner(i, j + 1)});
-      if (i + j < n - 1) parts.push_back({corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)});
-    }
-  return parts;
-}
+/// n^2 equal triangles that a facet is divided into, and their corners in its linear shape functions.
+struct EvenParts {
+  std::vector<Vec3> place;
+  std::vector<std::array<std::size_t, 3>> corner;  // (n^2) of each, indices into place
+
+  explicit EvenParts(int n) {
+    const auto number = [n](int i, int j) { return static_cast<std::size_t>(i * (2 * n + 3 - i) / 2 + j); };
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j) {
+        place.emplace_back(1.0 * i / n, 1.0 * j / n, 1.0 * (n - i - j) / n);
+        if (i + j < n) corner.push_back({number(i, j), number(i + 1, j), number(i, j + 1)});
+        if (i + j < n - 1) corner.push_back({number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)});
+      }
+  }
+};
 
 /// All of a facet, by the rule at whose points gradients are consistent (boundary_points.h).
 LoadedFacet wholeFacet(const Body& body, const Facet& f, int number) {
@@ -53,24 +57,26 @@ LoadedFacet wholeFacet(const Body& body, const Facet& f, int number) {
 /// What of a facet is in a region: parts small enough for the organ's surface, which the facet is a chord of, are cut
 /// along the region's borders.
 LoadedFacet partOfFacet(const Body& body, const Facet& f, int number, const Region& region, const SurfaceTree& organ) {
-  static const std::vector<std::array<Vec3, 3>> parts = evenParts(8);
+  constexpr int along = 8;  // an edge
+  static const EvenParts parts(along);
+  std::vector<Vec3> x;
+  for (const Vec3& l : parts.place) x.push_back(organ.closest(at(body, f, l)).point);
   LoadedFacet loaded{number, {}, {}};
+  const auto count = static_cast<double>(parts.corner.size());
   double whole = 0;
-  for (const auto& l : parts) {
-    std::array<Vec3, 3> corner;
-    for (std::size_t k = 0; k < 3; ++k) corner[k] = organ.closest(at(body, f, l[k])).point;
-    const ClippedTriangle part = clipToRegion(region, corner);
-    whole += part.share;
+  for (const auto& [a, b, c] : parts.corner) {
+    const ClippedTriangle part = clipToRegion(region, {x[a], x[b], x[c]});
+    whole += part.share / count;
     if (!(part.share > 0)) continue;
-    const Vec3& b = part.barycentric;
-    loaded.X.push_back(at(body, f, b[0] * l[0] + b[1] * l[1] + b[2] * l[2]));
-    loaded.weight.push_back(part.share / static_cast<double>(parts.size()));
+    const Vec3& l = part.barycentric;
+    loaded.X.push_back(at(body, f, l[0] * parts.place[a] + l[1] * parts.place[b] + l[2] * parts.place[c]));
+    loaded.weight.push_back(part.share / count);
   }
-  whole /= static_cast<double>(parts.size());
   // A region that just holds a flat side has a thread of those beside it, which is none.
-  constexpr double rounding = 1e-6, thread = 2e-6;  // m
+  constexpr double rounding = 1e-6, thread = 2e-6;  // a share; m
   const Vec3 edge = body.X[f[1]] - body.X[f[0]], other = body.X[f[2]] - body.X[f[0]];
-  if (whole * 0.5 * edge.cross(other).norm() < thread * std::max(edge.norm(), other.norm())) return {number, {}, {}};
+  const double length = std::max(edge.norm(), other.norm()) * static_cast<double>(loaded.weight.size()) / along;
+  if (whole * 0.5 * edge.cross(other).norm() < thread * length) return {number, {}, {}};
   return whole > 1 - rounding ? wholeFacet(body, f, number) : loaded;
 }
 
@@ -85,7 +91,8 @@ std::vector<LoadedFacet> loadedFacets(const Body& body, const std::vector<Facet>
     const double to_corner =
         std::max({(body.X[f[0]] - middle).norm(), (body.X[f[1]] - middle).norm(), (body.X[f[2]] - middle).norm()});
     if (!everywhere && !spec.region.contains(middle, 2 * to_corner)) continue;
-    loaded.push_back(everywhere ? wholeFacet(body, f, t) : partOfFacet(body, f, t, spec.region, organ));
+    const bool whole = everywhere || spec.region.contains(middle, -2 * to_corner);
+    loaded.push_back(whole ? wholeFacet(body, f, t) : partOfFacet(body, f, t, spec.region, organ));
     if (loaded.back().weight.empty()) loaded.pop_back();
   }
   return loaded;

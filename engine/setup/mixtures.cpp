@@ -32,13 +32,15 @@ Material mixed(const Material& first, const Material& second, double share) {
   return material;
 }
 
-/// Throws InputError where a membership's image leaves out more than a tenth of the body: it is another's, or in
+/// Throws InputError where a membership's image leaves out more than a tenth of what mixes: it is another body's, or in
 /// another unit or frame.
-void checkCovers(const MaterialSpec& spec, const std::vector<Vec3>& X, const BackgroundCells& cells) {
+void checkCovers(const MaterialSpec& spec, const std::vector<Vec3>& X, const BackgroundCells& cells,
+                 const std::vector<int>& cell_material) {
   constexpr double least = 0.9;
   const ImageGrid& grid = spec.membership->share.grid;
   double covered = 0, whole = 0;
   for (std::size_t c = 0; c < cells.cells.size(); ++c) {
+    if (cell_material[c] != 0) continue;
     Vec3 middle = Vec3::Zero();
     for (const int node : cells.cells[c]) middle += 0.25 * X[static_cast<std::size_t>(node)];
     whole += cells.volume[c];
@@ -111,10 +113,11 @@ std::vector<int> mixtureBases(const Scene& scene) {
   return base;
 }
 
-std::vector<double> cellShares(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells) {
+std::vector<double> cellShares(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
+                               const std::vector<int>& cell_material) {
   const MaterialSpec& spec = scene.materials[static_cast<std::size_t>(mixedMaterial(scene))];
   const Membership& membership = *spec.membership;
-  checkCovers(spec, X, cells);
+  checkCovers(spec, X, cells, cell_material);
   std::vector<double> share(cells.cells.size());
   parallelFor(static_cast<int>(share.size()), [&](int first, int last) {
     for (int c = first; c < last; ++c) {

@@ -37,8 +37,11 @@ std::vector<Material> materialsOf(const Scene& scene);
 /// Of each of materialsOf the one that the kernel computes it by; empty where nothing mixes.
 std::vector<int> mixtureBases(const Scene& scene);
 
-/// Mean membership over each cell (cell_count). @pre  mixedMaterial(scene) != 0
-std::vector<double> cellShares(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells);
+/// Mean membership over each cell (cell_count). Throws InputError where the image leaves out a part of what mixes.
+/// @pre  mixedMaterial(scene) != 0
+/// @param cell_material  (cell_count) those of the first material mix
+std::vector<double> cellShares(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
+                               const std::vector<int>& cell_material);
 
 /// Replaces the first material by the mixture of each cell.
 void mixCells(const Scene& scene, const std::vector<double>& share, std::vector<int>& cell_material);

@@ -215,7 +215,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   for (std::size_t q = 0; q < points.other_cell.size(); ++q)  // between two cells of one material may lie another
     p.point_material[q] = cell_material[points.cell[q]];
   if (mixedMaterial(scene) != 0) {
-    const std::vector<double> share = cellShares(scene, cloud.X, cells);
+    const std::vector<double> share = cellShares(scene, cloud.X, cells, cell_material);
     mixPoints(scene, share, cells, points, p.point_material);
     mixCells(scene, share, cell_material);
   }

@@ -16,8 +16,9 @@ namespace palpate {
 /// mm, nodes 5 mm apart: 23 % too stiff, 0.6 % expected).
 struct ThinLayer {
   int material = -1;  // index into the scene's, where it should be told of; -1: there is none
-  double error = 0;  // to expect of forces: half of the share of its volume that cells have for other materials, as far
-                     // as these are as stiff (1 - softer / stiffer shear modulus)
+  // To expect of forces: half of the share of its volume that cells have for other materials, as far as these are as
+  // stiff (1 - softer / stiffer shear modulus); of a membership as below.
+  double error = 0;
 };
 
 /// The worst one. Cells see 97 % or more of lumps and borders that nodes are put on, 84 % of a ball of 1.5 spacings

@@ -83,9 +83,13 @@ std::pair<double*, double*> errorOf(StepReport& report, const Press& press) {
   return {&load.expected_error, &load.error_force};
 }
 
-/// What the skin beside a sharp rim has of a tool's force.
-double rimShare(const Model& model, const State& state, const Press& press) {
-  return rimForce(model, state, static_cast<int>(press.tool())) / press.force;
+/// Adds a force (N) that is wrong to an error, a share of a force that may be another moment's: in N both count as they
+/// are. @param force  now, N  @param error, error_force  0: not known
+void addForce(double wrong, double force, double& error, double& error_force) {
+  if (!(wrong > 0) || !(error_force > 0)) return;
+  const double newtons = std::hypot(error * error_force, wrong);
+  error = std::hypot(error, wrong / std::max(force, error_force));
+  error_force = newtons / error;
 }
 
 }  // namespace
@@ -199,7 +203,8 @@ void ResolutionWatch::tell(const Model& model, const State& state, const PressLi
       if (narrow > known.error) known = {narrow, press.force};
     }
     known.error = std::max(known.error, model.layer_error);
-    if (press.isTool() && known.force > 0) known.error = std::hypot(known.error, rimShare(model, state, press));
+    if (press.isTool())
+      addForce(rimForce(model, state, static_cast<int>(press.tool())), press.force, known.error, known.force);
     const auto [error, force] = errorOf(report, press);
     *error = known.error;
     *force = known.force;
@@ -341,7 +346,9 @@ void addLast(const Model& model, const State& state, const StepReport& report, d
                                          {state.tool.begin(), state.tool.end()});
   if (!std::isfinite(error)) return;
   const bool touches = presses.count > 0;
-  if (touches && presses.press[0].isTool()) error = std::hypot(error, rimShare(model, state, presses.press[0]));
+  if (touches && presses.press[0].isTool())
+    error =
+        std::hypot(error, rimForce(model, state, static_cast<int>(presses.press[0].tool())) / presses.press[0].force);
   double force = touches ? 0 : largestForce(report);
   for (std::size_t k = 0; k < presses.count; ++k) force = std::max(force, presses.press[k].force);
   trust.add(doubtOfError(error), error, force, time, touches ? presses.press[0].by : -1);
@@ -377,7 +384,7 @@ std::string layerWarning(const Body& body) {
     return layer.place.text() +
            format(
                ": borders of the membership's image run through cells, which have the mean of both tissues there: too "
-               "stiff where one lies upon the other; forces may be off by %.2g %%. Finer nodes (refine, or spacing), "
+               "stiff where one lies upon the other; forces may be off by %.0f %%. Finer nodes (refine, or spacing), "
                "or a region for what is layered, would do",
                100 * body.layer_error);
   return placeOf(body.scene, "discretization").text() +

@@ -219,6 +219,15 @@ TEST_CASE("An image that leaves out a part of the organ is refused", "[simulatio
   scene.materials[1].membership = image;
   CHECK_THROWS_WITH(buildModel(scene, organSurface(scene)),
                     Catch::Contains(" % of the organ, and says nothing of the rest"));
+  // What another material has need not be in it.
+  MaterialSpec hard;
+  hard.everywhere = false;
+  hard.region.kind = Region::Kind::HalfSpace;
+  hard.region.point = Vec3(-0.015, 0, 0);
+  hard.region.normal = Vec3::UnitX();
+  hard.material = tissue(9000);
+  scene.materials.push_back(hard);
+  CHECK_NOTHROW(buildModel(scene, organSurface(scene)));
 }
 
 TEST_CASE("Forces of mixtures are their energy's slope, where cells hold the volume too", "[simulation][mixtures]") {

@@ -226,18 +226,27 @@ TEST_CASE("A region's border cuts faces: the loaded area is the region's", "[sim
   }
 }
 
-TEST_CASE("A strip far narrower than the nodes are apart has all of its load", "[simulation][load][whole]") {
-  Scene scene = test::blockScene();
-  LoadSpec strip = loadOf(Kind::Traction, 0, Vec3(0, 0, -1));
-  strip.region.kind = Region::Kind::Box;
-  for (const double x : {0.0003, 0.0027, -0.0061}) {  // was 26 to 90 % off
-    strip.region.min = Vec3(x - 1e-4, -0.02, 0.029);
-    strip.region.max = Vec3(x + 1e-4, 0.021, 0.031);
-    scene.loads = {strip};
-    const Model model = test::blockModel(scene);
-    const NodeLoads loads = loadsAt(model, AlignedVector<Double4>(model.X.size()));
-    CHECK(loads.force.z() == Approx(-2e-4 * 0.041).epsilon(0.01));
-    CHECK(loads.torque.y() / -loads.force.z() == Approx(x).margin(1e-5));
+TEST_CASE("A strip or a disc far narrower than the nodes are apart has all of its load", "[simulation][load][whole]") {
+  for (const Kind kind : {Kind::Traction, Kind::FollowerPressure}) {
+    Scene scene = test::blockScene();
+    LoadSpec load = kind == Kind::Traction ? loadOf(kind, 0, Vec3(0, 0, -1)) : loadOf(kind, 1);
+    const auto loadsOf = [&] {
+      scene.loads = {load};
+      const Model model = test::blockModel(scene);
+      return loadsAt(model, AlignedVector<Double4>(model.X.size()));
+    };
+    for (const double x : {0.0003, 0.0027, -0.0061}) {  // was 26 to 90 % off
+      load.region.kind = Region::Kind::Box;
+      load.region.min = Vec3(x - 1e-4, -0.02, 0.029);
+      load.region.max = Vec3(x + 1e-4, 0.021, 0.031);
+      const NodeLoads strip = loadsOf();
+      CHECK(strip.force.z() == Approx(-2e-4 * 0.041).epsilon(1e-3));
+      CHECK(strip.torque.y() / -strip.force.z() == Approx(x).margin(1e-5));
+      load.region.kind = Region::Kind::Cylinder;  // 0.1 mm, on edges of the faces and not
+      load.region.point = Vec3(x, 0.003, 0.02);
+      load.region.radius = 1e-4, load.region.height = 0.02;
+      CHECK(loadsOf().force.z() == Approx(-std::numbers::pi * 1e-8).epsilon(0.01));
+    }
   }
 }
 

@@ -7,10 +7,10 @@ namespace {
 namespace flat_cylinder {
 
 constexpr Parameter parameters[] = {
+    // 0.3: default_rounding_per_radius
     {"edge_radius", "rim", Parameter::Type::Number, "m", "0", atLeast(0),
-     "Rounding of the rims; 0: 0.3 of the radius. Below a quarter of it skin catches on the rim of a tool that is "
-     "drawn "
-     "aside: the error to expect says by how much."},  // default_rounding_per_radius
+     "Rounding of the rims; 0: 0.3 of the radius. Skin catches on rims that are sharper than its edges are long (some "
+     "quarter of the radius) where the tool is drawn aside: the error to expect says by how much."},
 };
 
 /// Distance to the cylinder of radius R - e and ends drawn in by e, less e.

@@ -143,11 +143,16 @@ Identified identify(const std::vector<SoughtParameter>& sought,
                       coordinate[static_cast<std::size_t>(k)].slopeAt(q[k]);
     }
     for (Eigen::Index k = 0; k < count && !derivatives; ++k) {
-      VectorXd above = q, below = q;
-      above[k] += difference;
-      below[k] -= difference;
-      J.col(k) = central ? VectorXd((evaluate(above) - evaluate(below)) / (2 * difference))
-                         : VectorXd((evaluate(above) - r) / difference);
+      VectorXd beside = q;
+      beside[k] += difference;
+      const VectorXd above = evaluate(beside);
+      J.col(k) = (above - r) / difference;
+      if (!central) continue;
+      beside[k] -= 2 * difference;
+      try {
+        J.col(k) = (above - evaluate(beside)) / (2 * difference);
+      } catch (const std::runtime_error&) {  // values at which there is no answer
+      }
     }
     const MatrixXd A = J.transpose() * J;
     const VectorXd g = J.transpose() * r;
@@ -180,14 +185,18 @@ Identified identify(const std::vector<SoughtParameter>& sought,
   const Eigen::JacobiSVD<MatrixXd> svd(J, Eigen::ComputeThinV);
   const VectorXd& s = svd.singularValues();
   const VectorXd inverse = s.array().max(1e-12 * s[0]).inverse().square();
-  const VectorXd half = student95(static_cast<double>(r.size() - count)) *
-                        standardErrors(J, r, svd.matrixV() * inverse.asDiagonal() * svd.matrixV().transpose());
+  const auto intervalOf = [&](const VectorXd& left) {
+    return VectorXd(student95(static_cast<double>(r.size() - count)) *
+                    standardErrors(J, left, svd.matrixV() * inverse.asDiagonal() * svd.matrixV().transpose()));
+  };
+  const VectorXd half = intervalOf(r);
   result.told_apart = s[count - 1] > told_apart_from * s[0];
   for (Eigen::Index k = 0; k < count; ++k)
     if (coordinate[static_cast<std::size_t>(k)].isRelative() && !(half[k] < widest_told)) result.told_apart = false;
   // By the whole step that is left, or what noise leaves of it: one that is damped may be as short anywhere.
-  constexpr double near = 10 * arrived, of_interval = 0.3;
-  result.converged = (stepFor(J, r).array().abs() < (of_interval * half).array().max(near)).all();
+  constexpr double near = 10 * arrived, of_interval = 0.3, longest = 0.05;
+  const VectorXd whole = stepFor(J, r), noise = intervalOf(r + J * whole);
+  result.converged = (whole.array().abs() < (of_interval * noise).array().min(longest).max(near)).all();
   result.value = valuesAt(q);
   result.low = valuesAt(q - half);
   result.high = valuesAt(q + half);

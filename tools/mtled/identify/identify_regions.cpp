@@ -82,6 +82,7 @@ Figure figureOfRegions(const std::string& scene, const std::string& parameter, c
 }
 
 constexpr double least_force = 0.02;  // of the largest: less is noise where nothing is touched
+constexpr double far_above = 0.5;     // tool radii from the skin: nearer the scene's may be a little lower
 
 /// m, of a press: how far its tip is past where it touched. Not finite: the tool meets no skin that way.
 double depthOf(const Model& model, const SettledPress& press) {
@@ -174,7 +175,8 @@ int identifyRegions(const IdentifyOptions& options) {
             {options.measured}, "no press touches the scene's body",
             "give the tip where the tool had come to rest, in the scene's coordinates; x_mm for millimetres");
       for (std::size_t k = 0; k < r.size(); ++k)
-        if (!(r[k] > 0) && presses[k].force > least_force * largest->force)
+        if (!(r[k] > 0) && presses[k].force > least_force * largest->force &&
+            !(depthOf(*model, presses[k]) > -far_above * model->scene.tools[0].shape.radius))
           throw InputError({options.measured, presses[k].line},
                            format("a press with a force of %.3g N touches nothing", presses[k].force),
                            "is its place right? Leave it out if not");

@@ -107,7 +107,7 @@ Mask onScan(Import& import, const Mask& found) {
       for (int i = 0; i < found.grid.size[0]; ++i)
         outside += found(i, j, k) != 0 && !mask.grid.holds(mask.grid.indexOf(found.grid.worldOf(i, j, k)));
   if (outside > 0)
-    import.note(format("%.3g ml of the mask (%.2g %%) are outside of the scan: left out",
+    import.note(format("%.3g ml of the mask (%.1f %%) are outside of the scan: left out",
                        1e6 * static_cast<double>(outside) * found.grid.voxelVolume(),
                        100 * static_cast<double>(outside) / static_cast<double>(countOf(found))));
   return mask;
