@@ -26,21 +26,21 @@ constexpr double seen = 0.25;  // missed share, up to which a material counts as
 /// Of the body, that a material has at least to count: what is smaller is felt nowhere but beside it.
 constexpr double least_share = 0.002;
 
+double sizeOf(const std::vector<Vec3>& X, const std::array<int, 4>& cell) {
+  const auto& [i, j, k, l] = cell;
+  return std::abs((X[j] - X[i]).cross(X[k] - X[i]).dot(X[l] - X[i])) / 6;
+}
+
 /// What the cells have of each material, and miss of it.
 class Shares {
  public:
   Shares(const Scene& scene, const SurfaceTree& organ, const std::vector<Vec3>& X)
       : scene_(scene), organ_(organ), X_(X), volume(scene.materials.size()), missed(volume), unlike(volume) {}
 
-  double sizeOf(const std::array<int, 4>& cell) const {
-    const auto& [i, j, k, l] = cell;
-    return std::abs((X_[j] - X_[i]).cross(X_[k] - X_[i]).dot(X_[l] - X_[i])) / 6;
-  }
-
   /// By the materials at places in a cell that is taken for `own`.
   void sample(const std::array<int, 4>& cell, std::size_t own) {
     const auto& [i, j, k, l] = cell;
-    const double part = sizeOf(cell) / static_cast<double>(samples.size());
+    const double part = sizeOf(X_, cell) / static_cast<double>(samples.size());
     for (const auto& share : samples) {
       const Vec3 x = share[0] * X_[i] + share[1] * X_[j] + share[2] * X_[k] + share[3] * X_[l];
       const auto there = static_cast<std::size_t>(materialAt(scene_, x, organ_));
@@ -74,7 +74,7 @@ ThinLayer mixedLayer(const Scene& scene, int mixed, const std::vector<Vec3>& X,
   double by_image = 0, by_cells = 0;  // compliance times volume
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto& [i, j, k, l] = cells[c];
-    const double size = std::abs((X[j] - X[i]).cross(X[k] - X[i]).dot(X[l] - X[i])) / 6;
+    const double size = sizeOf(X, cells[c]);
     double sum = 0, compliance = 0, known = 0;
     for (std::size_t s = 0; cell_material[c] == 0 && s < samples.size(); ++s) {
       const auto& at = samples[s];
@@ -111,7 +111,7 @@ ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std:
   double whole = 0;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto own = static_cast<std::size_t>(cell_material[c]);
-    const double size = shares.sizeOf(cells[c]);
+    const double size = sizeOf(X, cells[c]);
     whole += size;
     if (has_shell &&
         std::all_of(cells[c].begin(), cells[c].end(), [&](int n) { return of_node[n] == cell_material[c]; }))

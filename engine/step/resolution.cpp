@@ -83,13 +83,13 @@ std::pair<double*, double*> errorOf(StepReport& report, const Press& press) {
   return {&load.expected_error, &load.error_force};
 }
 
-/// Adds a force (N) that is wrong to an error, a share of a force that may be another moment's: in N both count as they
-/// are. @param force  now, N  @param error, error_force  0: not known
-void addForce(double wrong, double force, double& error, double& error_force) {
-  if (!(wrong > 0) || !(error_force > 0)) return;
-  const double newtons = std::hypot(error * error_force, wrong);
-  error = std::hypot(error, wrong / std::max(force, error_force));
-  error_force = newtons / error;
+/// Adds a force that is wrong, as a share of what is felt now and in N, to an error, a share of a force that may be
+/// another moment's: in N both count as they are. @param error, error_force  0: not known
+void addForce(double share, double newtons, double& error, double& error_force) {
+  if (!(share > 0) || !(error_force > 0)) return;
+  const double sum = std::hypot(error * error_force, newtons);
+  error = std::hypot(error, share);
+  error_force = sum / error;
 }
 
 }  // namespace
@@ -203,8 +203,10 @@ void ResolutionWatch::tell(const Model& model, const State& state, const PressLi
       if (narrow > known.error) known = {narrow, press.force};
     }
     known.error = std::max(known.error, model.layer_error);
-    if (press.isTool())
-      addForce(rimForce(model, state, static_cast<int>(press.tool())), press.force, known.error, known.force);
+    if (press.isTool()) {
+      const double rim = rimForce(model, state, static_cast<int>(press.tool()));
+      addForce(rim / std::max(press.force, known.force), rim, known.error, known.force);
+    }
     const auto [error, force] = errorOf(report, press);
     *error = known.error;
     *force = known.force;
@@ -234,12 +236,10 @@ void ResolutionWatch::addScaledInertia(const Model& model, StepReport& report) {
   const double force = std::max(largestForce(report), report.error_force);
   if (!(force > 0)) return;
   const double share = std::min(1.0, inertia_ / force);
-  // The error was found for another moment's force than what accelerates now: in N both count as they are.
   const auto add = [&](double& of, double& of_force) {
-    if (!(of_force > 0)) return;
-    const double error = std::hypot(of, share), newtons = std::hypot(of * of_force, share * force);
-    if (error > 0) of_force = newtons / error;
-    of = std::min(std::max(1.0, of), error);
+    const double most = std::max(1.0, of);
+    addForce(share, share * force, of, of_force);
+    of = std::min(most, of);
   };
   add(report.expected_error, report.error_force);
   for (ToolLoad& load : report.loads) add(load.expected_error, load.error_force);
