@@ -309,6 +309,8 @@ void EquilibriumSensitivity::settle(const std::optional<Pose>& tool, double time
     solver.resume(0, rest, away(steps));
     if (time > 0) follow(time, away(steps));
     for (; steps > 0; --steps) follow(time, away(steps - 1));
+    if (solver.body().tools().posture[0].pose.position != tool->position)
+      throw std::runtime_error("the tool can't come there: what holds the organ is rigid, and in its way");
   }
   u_ = solver.body().u;
   polish();

@@ -186,7 +186,7 @@ Equilibrium StaticSolver::advanceTo(double time, const ToolsAt& wanted, const Wa
   Equilibrium equilibrium;
   equilibrium.time = time;
   const AlignedVector<Double4> u_before = body_.u;
-  const ToolsAt tools = stoppedByRigidBodies(model_, wanted, time);
+  const ToolsAt tools = stoppedByRigid(model_, body_.tools(), wanted, time);
   ToolsAt tools_before = body_.tools();
   tools_before.count = tools.count;
   const double largest_before = largest_so_far_;

@@ -6,6 +6,7 @@
 #include "mechanics/kernel_layout.h"
 #include "mechanics/local_mass.h"
 #include "model/body.h"
+#include "model/held_tissue.h"
 #include "model/point_groups.h"
 #include "model/surface_loads.h"
 
@@ -22,6 +23,7 @@ struct Model : Body {
   KernelLayout kernel;                // what the hot kernel reads
   EssentialBoundary boundary;         // of `essential` and the masses
   RigidBodies rigid;                  // of scene.rigid
+  HeldTissue held;                    // that tools stand before
   // (vertex_count) of the skin: nodes move it that displacements are imposed on. Empty: there are none
   std::vector<std::uint8_t> beside_held;
   StiffnessMeans stiffness_means;  // how masses follow the stiffness of squeezed tissue

@@ -270,6 +270,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   addWeight(model);
   setBounds(model);
   addSkinAndTool(scene, tree, common, model);
+  model.held = heldTissue(model);
   model.beside_held = besideHeld(model.skin, model.boundary);
   model.surface_loads = makeSurfaceLoads(model, tree);
 

@@ -3,13 +3,14 @@
 #include <algorithm>
 
 #include "base/float4.h"
+#include "step/follow_stiffness.h"
 
 namespace palpate {
 namespace {
 
 constexpr double kept_volume = 0.5;  // of a squeezed point's volume
 constexpr int most_sweeps = 24;
-constexpr std::size_t most_points = 2048;  // at a time; more is flooded tissue, which the watchdog puts back
+constexpr std::size_t most_points = 2048;  // at a time; more are doubted (Doubt::Inverted)
 
 Mat3 cofactorOf(const Mat3& F) {
   Mat3 cof;

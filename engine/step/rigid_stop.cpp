@@ -4,15 +4,17 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/tool_profile.h"
 #include "step/tool_bodies.h"
 
 namespace palpate {
 namespace {
 
-/// Of the spacing, and of the tool's radius, that a tool keeps from a rigid body: RigidSupport's.
-constexpr double kept_share = 0.25;
+/// Of the spacing, and of the tool's radius, that a tool keeps from a rigid body.
+constexpr double kept_share = HeldTissue::clearance;
 
-constexpr int most_walls = 4;  // that it is pushed out of at once
+constexpr int most_walls = 4;  // that it is pushed out of, or slides along, at once; in a narrower place it stands
+constexpr double slope = 0.3;  // cosine of a wall that is before the tip, not beside it
 
 struct Approach {
   double gap = std::numeric_limits<double>::infinity();  // m
@@ -85,10 +87,7 @@ Approach nearestOf(const Model& model, int tool, const ToolPosture& posture, dou
   return nearest;
 }
 
-}  // namespace
-
-ToolPosture stoppedByRigidBodies(const Model& model, int tool, const ToolPosture& wanted, double time,
-                                 double farthest) {
+ToolPosture pushedOut(const Model& model, int tool, const ToolPosture& wanted, double time, double farthest) {
   ToolPosture posture = wanted;
   for (int k = 0; k < most_walls && farthest > 0; ++k) {
     const Approach nearest = nearestOf(model, tool, posture, time);
@@ -100,11 +99,92 @@ ToolPosture stoppedByRigidBodies(const Model& model, int tool, const ToolPosture
   return posture;
 }
 
-ToolsAt stoppedByRigidBodies(const Model& model, const ToolsAt& wanted, double time) {
+/// Where a tool would be too near to what holds the organ.
+struct TooNear {
+  double depth = 0;          // m; 0: nowhere
+  Vec3 into = Vec3::Zero();  // unit, the way on which it would be
+};
+
+TooNear worstOfHeld(const Model& model, int tool, const ToolPosture& from, const Vec3& move,
+                    const BoundaryShifts& shifts) {
+  TooNear worst;
+  double deepest = 0, shifted = 0;  // m
+  for (const Vec3& shift : shifts.of) shifted = std::max(shifted, shift.norm());
+  for (const ToolBody& body : model.tools.body) {
+    if (body.tool != tool) continue;
+    const ToolProfile profile = toolProfile(body.shape);
+    const Pose pose = bodyPose(body, from);
+    const Vec3 axis = pose.orientation * Vec3::UnitZ();
+    const Vec3 middle = pose.position + 0.5 * profile.length * axis;
+    const Vec3 front = pose.position + profile.radius * axis;  // the side of the skin that it is on
+    const Quat to_tool = pose.orientation.conjugate();
+    const double reach = std::hypot(0.5 * profile.length, profile.radius) + move.norm();
+    if (model.held.box.exteriorDistance(middle) > reach + shifted) continue;
+    for (const HeldTissue::Point& held : model.held.points) {
+      const Vec3 at_rest = held.position + shifts.of[static_cast<std::size_t>(held.boundary)];
+      const double near = reach + held.clearance;
+      if ((at_rest - middle).squaredNorm() > near * near || (front - at_rest).dot(held.outward) > 0) continue;
+      const Vec3 before = to_tool * (at_rest - pose.position);
+      const ToolDistance at = toolDistance(profile, before - to_tool * move);
+      const double depth = held.clearance - at.distance;
+      if (depth <= deepest || toolDistance(profile, before).distance < 0) continue;
+      const Vec3 towards = pose.orientation * at.normal;
+      const Vec3 into = held.outward.isZero(0) ? towards : held.outward;
+      constexpr double rounding = 1e-12;  // m
+      if (towards.dot(move) <= rounding || into.dot(move) <= rounding) continue;
+      deepest = depth;
+      worst = {depth / std::max(into.dot(towards), slope), into};
+    }
+  }
+  return worst;
+}
+
+/// What a tool can do of `move`, m: all, to the bit, or without what would bring it nearer to what holds the organ than
+/// the clearance. Away from there it is free, also where it begins nearer.
+Vec3 heldBack(const Model& model, int tool, const ToolPosture& from, const Vec3& move, const BoundaryShifts& shifts) {
+  const Vec3 ahead = -(from.pose.orientation * Vec3::UnitZ());
+  Vec3 left = move;
+  for (int k = 0; k < most_walls; ++k) {
+    const TooNear worst = worstOfHeld(model, tool, from, left, shifts);
+    if (worst.depth <= 0) return left;
+    const double cosine = ahead.dot(worst.into), advance = left.dot(ahead);
+    if (cosine > slope && advance > 0)  // not off a slope, which would take it from under the hand
+      left -= std::min(worst.depth / cosine, advance) * ahead;
+    else
+      left -= std::min(worst.depth, left.dot(worst.into)) * worst.into;
+  }
+  return worstOfHeld(model, tool, from, left, shifts).depth > 0 ? Vec3::Zero() : left;
+}
+
+}  // namespace
+
+ToolPosture RigidStop::of(const Model& model, int tool, const ToolPosture& from, const ToolPosture& wanted) const {
+  ToolPosture posture = wanted;
+  if (!model.held.empty()) {
+    const Vec3 move = wanted.pose.position - from.pose.position, free = heldBack(model, tool, from, move, shifts);
+    if (free != move) posture.pose.position = from.pose.position + free;
+  }
+  return model.rigid.empty() ? posture : pushedOut(model, tool, posture, time, farthest);
+}
+
+ToolsAt stoppedByRigid(const Model& model, const ToolsAt& from, const ToolsAt& wanted, double time) {
+  if (model.rigid.empty() && model.held.empty()) return wanted;
+  const RigidStop stop{time};
   ToolsAt tools = wanted;
-  for (int t = 0; t < tools.count && !model.rigid.empty(); ++t) {
-    ToolPosture& posture = tools.posture[static_cast<std::size_t>(t)];
-    posture = stoppedByRigidBodies(model, t, posture, time, std::numeric_limits<double>::infinity());
+  for (std::size_t t = 0; t < static_cast<std::size_t>(tools.count); ++t) {
+    const auto stopped = [&](const ToolPosture& at, double share) {
+      return stop.of(model, static_cast<int>(t), at, between(at, wanted.posture[t], share));
+    };
+    const auto wayLeft = [&](const ToolPosture& at) {
+      return (wanted.posture[t].pose.position - at.pose.position).norm();
+    };
+    // In pieces that see all that they would pass. Twice as many as the straight way has: it may slide.
+    ToolPosture at = from.posture[t];
+    const double piece = model.held.empty() ? std::numeric_limits<double>::infinity() : model.held.least_clearance;
+    for (double left = std::ceil(wayLeft(at) / piece) * 2; left >= 1 && wayLeft(at) > piece; --left)
+      at = stopped(at, piece / wayLeft(at));
+    if (wayLeft(at) <= piece) at = stopped(at, 1);
+    tools.posture[t].pose.position = at.pose.position;
   }
   return tools;
 }

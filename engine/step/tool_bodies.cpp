@@ -91,10 +91,9 @@ ToolWays::ToolWays(const Model& model, const State& state, const Command& comman
     const double reach = topSpeed(model, t) / model.scene.dynamics.rate_hz;
     const double wanted = largestWay(model, t, from[k], to_[k]);
     if (wanted > reach) to_[k] = between(from[k], to_[k], reach / wanted);
-    if (model.rigid.empty()) continue;
     const double end = static_cast<double>(state.step + model.substeps_per_tick) * model.dt;
     const Vec3 wanted_at = to_[k].pose.position;
-    to_[k] = stoppedByRigidBodies(model, t, to_[k], end, reach);
+    to_[k] = RigidStop{end, reach, state.region_shift}.of(model, t, from[k], to_[k]);
     stopped_[k] = to_[k].pose.position != wanted_at;
   }
 }

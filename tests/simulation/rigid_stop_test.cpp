@@ -2,6 +2,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <cmath>
+
+#include "batch/static_solver.h"
 #include "contact/tools/tool_list.h"
 #include "step/step.h"
 #include "step/workspace.h"
@@ -25,6 +28,56 @@ Scene toolBefore(Region::Kind kind) {
   return scene;
 }
 
+constexpr double spacing = 0.01;
+
+/// Nodes on a grid of 9 x 9 x 4, the lowest layer held, and as skin the lowest and the highest layer.
+Model slab(bool moved = false) {
+  constexpr int n = 9, layers = 4;
+  Model model;
+  model.scene.discretization.spacing = spacing;
+  model.tools.body[0].shape = model.scene.tools[0].shape = ToolShape::of(ToolKind::Sphere, 0.01);
+  const auto at = [](int i, int j, int k) { return Vec3(spacing * (i - n / 2), spacing * (j - n / 2), spacing * k); };
+  for (int k = 0; k < layers; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        if (k == 0) model.essential.nodes.push_back({static_cast<int>(model.X.size()), {0, 0, 0}});
+        model.X.push_back(at(i, j, k));
+      }
+  for (const int k : {0, layers - 1}) {
+    const int first = static_cast<int>(model.skin.surface.vertices.size());
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) model.skin.surface.vertices.push_back(at(i, j, k));
+    for (int j = 0; j + 1 < n; ++j)
+      for (int i = 0; i + 1 < n; ++i) {
+        const int a = first + j * n + i, d = a + n + 1;
+        int b = a + 1, c = a + n;
+        if (k == 0) std::swap(b, c);  // outward is down
+        model.skin.surface.triangles.push_back({a, b, d});
+        model.skin.surface.triangles.push_back({a, d, c});
+      }
+  }
+  model.essential.motions.emplace_back();
+  if (moved) model.essential.motions[0].translation = Vec3(0, 0, 0.01);
+  model.held = heldTissue(model);
+  return model;
+}
+
+ToolPosture at(double x, double y, double z) {
+  ToolPosture tool;
+  tool.pose.position = Vec3(x, y, z);
+  return tool;
+}
+
+/// What is left of a way.
+Vec3 wayOf(const Model& model, const ToolPosture& from, const Vec3& move, const RigidStop& stop = {}) {
+  ToolPosture wanted = from;
+  wanted.pose.position += move;
+  const ToolPosture to = stop.of(model, 0, from, wanted);
+  return to.pose.position == wanted.pose.position ? move : Vec3(to.pose.position - from.pose.position);
+}
+
+constexpr double stand = HeldTissue::clearance * spacing;  // m, of the tip over a held vertex
+
 constexpr double kept = 0.25 * 0.01;  // m, of the radius
 
 }  // namespace
@@ -34,17 +87,17 @@ TEST_CASE("A tool comes to stand before a rigid body and slides along it", "[sim
   SECTION("a ball over a box") {
     const Model model = test::blockModel(toolBefore(Region::Kind::Box));
     pose.position = Vec3(0.2, 0.01, -0.001);
-    const Pose stopped = stoppedByRigidBodies(model, 0, {pose, 0}, 0, 1).pose;
+    const Pose stopped = RigidStop{0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose;
     CHECK((stopped.position - Vec3(0.2, 0.01, kept)).norm() < 1e-9);
-    const Pose short_of = stoppedByRigidBodies(model, 0, {pose, 0}, 0, 0.0005).pose;
+    const Pose short_of = RigidStop{0, 0.0005}.of(model, 0, {pose, 0}, {pose, 0}).pose;
     CHECK(short_of.position.z() == Approx(-0.0005));
     pose.position.z() = 0.01;
-    CHECK(stoppedByRigidBodies(model, 0, {pose, 0}, 0, 1).pose.position == pose.position);  // to the bit
+    CHECK(RigidStop{0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position == pose.position);  // to the bit
   }
   SECTION("a ball beside a ball") {
     const Model model = test::blockModel(toolBefore(Region::Kind::Sphere));
     pose.position = Vec3(0.215, 0, 0.015);
-    const Vec3 middle = stoppedByRigidBodies(model, 0, {pose, 0}, 0, 1).pose.position + Vec3(0, 0, 0.01);
+    const Vec3 middle = RigidStop{0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position + Vec3(0, 0, 0.01);
     CHECK((middle - Vec3(0.2, 0, 0)).norm() == Approx(0.04 + kept));
   }
   SECTION("a capsule that lies, the middle of its side first") {
@@ -53,7 +106,7 @@ TEST_CASE("A tool comes to stand before a rigid body and slides along it", "[sim
     const Model model = test::blockModel(scene);
     pose.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
     pose.position = Vec3(0.2, -0.042, 0.035);
-    const Vec3 at = stoppedByRigidBodies(model, 0, {pose, 0}, 0, 1).pose.position;
+    const Vec3 at = RigidStop{0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position;
     CHECK(at.z() == Approx(0.04 + kept).margin(2e-4));
   }
 }
@@ -83,4 +136,95 @@ TEST_CASE("A tool under a hand that goes through the table does not, nor does th
   for (int v = 0; v < model.skin.vertexCount(); ++v)
     lowest = std::min(lowest, skinPosition(model.skin, v, state.u.data()).z());
   CHECK(lowest > -2e-3);  // between the points that touch, which are half a spacing apart
+}
+
+TEST_CASE("A tool comes to stand a quarter of the spacing before what holds the organ", "[simulation][rigid]") {
+  const Model model = slab();
+  ToolPosture tool = at(0, 0, 0.02);
+  for (int tick = 0; tick < 100; ++tick) tool.pose.position += wayOf(model, tool, Vec3(0, 0, -2e-3));
+  CHECK(tool.pose.position.isApprox(Vec3(0, 0, stand), 1e-9));
+  // Between four held vertices a ball sinks no deeper than it must, and stays under the hand there, too.
+  tool = at(0.005, 0.005, 0.02);
+  for (int tick = 0; tick < 100; ++tick) tool.pose.position += wayOf(model, tool, Vec3(0, 0, -2e-3));
+  const double radius = 0.01, reach = radius + stand, aside = std::sqrt(0.5) * spacing;
+  CHECK(tool.pose.position.head<2>() == Vec3(0.005, 0.005, 0).head<2>());
+  CHECK(tool.pose.position.z() == Approx(std::sqrt(reach * reach - aside * aside) - radius).margin(2e-6));
+  // A hand that draws sideways takes it along, and up again it is free.
+  const Vec3 along = wayOf(model, tool, Vec3(1e-3, 0, -1e-3));
+  CHECK(along.x() > 0.5e-3);
+  CHECK(wayOf(model, tool, Vec3(0, 0, 2e-3)) == Vec3(0, 0, 2e-3));
+}
+
+TEST_CASE("Where nothing held is near, the tool goes all of its way, to the bit", "[simulation][rigid]") {
+  const Vec3 down(0.1e-3, -0.2e-3, -1.9e-3);
+  const Model model = slab();
+  CHECK(wayOf(model, at(0, 0, stand + 2e-3), down) == down);
+  CHECK(wayOf(model, at(0.2, 0, 0), down) == down);
+  // From outside it meets held skin as any skin.
+  CHECK(wayOf(model, at(0, 0, -0.021), -down) == -down);
+  CHECK(wayOf(model, at(0, 0, -0.0205), Vec3(0, 0, 1e-3)) == Vec3(0, 0, 1e-3));
+  // What begins too near may leave, but not come nearer.
+  CHECK(wayOf(model, at(0, 0, 0), Vec3(0, 0, 1e-3)) == Vec3(0, 0, 1e-3));
+  CHECK(wayOf(model, at(0, 0, 1e-4), Vec3(0, 0, -1e-3)).norm() < 1e-12);
+  // What it has passed from outside is behind it: across the plane of the skin it is free.
+  for (const Vec3& way : {Vec3(1e-3, 0, 0), Vec3(0, -1e-3, 0), Vec3(0, 0, 1e-3)})
+    CHECK(wayOf(model, at(0, 0, -0.0095), way) == way);
+}
+
+TEST_CASE("Only what no scene moves and no component frees is rigid - held nodes inside are, too",
+          "[simulation][rigid]") {
+  CHECK(slab(true).held.empty());
+  Model sliding = slab();
+  for (ImposedNode& node : sliding.essential.nodes) node.boundary[0] = -1;
+  CHECK(heldTissue(sliding).empty());
+
+  Model thick = slab();
+  for (int i = 81; i < 162; ++i) thick.essential.nodes.push_back({i, {0, 0, 0}});  // the layer above it
+  thick.held = heldTissue(thick);
+  ToolPosture tool = at(0, 0, 0.025);
+  for (int tick = 0; tick < 100; ++tick) tool.pose.position += wayOf(thick, tool, Vec3(0, 0, -2e-3));
+  CHECK(tool.pose.position.isApprox(Vec3(0, 0, spacing + stand), 1e-9));
+
+  // A region that was moved live holds where it is.
+  const Model model = slab();
+  RigidStop stop;
+  stop.shifts.of[0] = Vec3(0, 0, 0.005);
+  tool = at(0, 0, 0.025);
+  for (int tick = 0; tick < 100; ++tick) tool.pose.position += wayOf(model, tool, Vec3(0, 0, -2e-3), stop);
+  CHECK(tool.pose.position.isApprox(Vec3(0, 0, 0.005 + stand), 1e-9));
+}
+
+TEST_CASE("No tool goes through what holds the organ, whatever its shape and however far its way",
+          "[simulation][rigid]") {
+  for (const ToolKind kind : {ToolKind::Sphere, ToolKind::FlatCylinder, ToolKind::Capsule, ToolKind::Cone}) {
+    Model model = slab();
+    model.tools.body[0].shape = model.scene.tools[0].shape = ToolShape::of(kind, 0.01, 0.05);
+    const Vec3 hand(0.002, -0.003, -1);
+    ToolPosture tool = at(hand.x(), hand.y(), 0.02);
+    for (int tick = 0; tick < 200; ++tick)  // at the tool's greatest speed
+      tool.pose.position += wayOf(model, tool, 2e-3 * (hand - tool.pose.position).normalized());
+    INFO(static_cast<int>(kind));
+    CHECK(tool.pose.position.z() > 0);
+    CHECK(tool.pose.position.z() < 0.5 * spacing);
+    CHECK(tool.pose.position.head<2>().isApprox(hand.head<2>(), 1e-9));
+    // A batch solution goes there in one step, and comes out in one.
+    ToolsAt from(at(hand.x(), hand.y(), 0.02).pose), below(Pose{hand, Quat::Identity()});
+    const ToolsAt there = stoppedByRigid(model, from, below, 0);
+    CHECK((there.posture[0].pose.position - tool.pose.position).norm() < 1e-4);
+    CHECK(stoppedByRigid(model, there, from, 0).posture[0].pose.position == from.posture[0].pose.position);
+  }
+}
+
+TEST_CASE("An equilibrium has its tool before what holds the body, not behind it", "[simulation][rigid][whole]") {
+  const Model model = test::blockModel(test::blockScene());
+  StaticSolver solver(model, 2, 1e-3);
+  Pose pose = test::toolAt(model, 0.005);
+  REQUIRE(solver.advanceTo(0, pose).converged);
+  CHECK(solver.body().tools().posture[0].pose.position == pose.position);
+  const SurfaceTree organ(model.skin.surface);
+  const double bottom = boundingBox(model.skin.surface).min().z();
+  pose.position.z() = bottom - 0.01;
+  const Equilibrium equilibrium = solver.advanceTo(0, pose);
+  CHECK(solver.body().tools().posture[0].pose.position.z() > bottom);
+  CHECK(equilibrium.doubt != Doubt::None);
 }

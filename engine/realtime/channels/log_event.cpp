@@ -9,9 +9,7 @@ namespace palpate {
 namespace {
 
 /// "3 integration points are", "1 integration point is".
-std::string pointsAre(double count, const char* one = "is", const char* more = "are") {
-  return format("%.0f integration point%s %s", count, count == 1 ? "" : "s", count == 1 ? one : more);
-}
+std::string pointsAre(double count) { return format("%.0f integration point%s", count, count == 1 ? " is" : "s are"); }
 
 std::string sentence(const LogEvent& e) {
   const Vec3& p = e.position;
@@ -26,11 +24,6 @@ std::string sentence(const LogEvent& e) {
           "frozen: node %d at (%.4f, %.4f, %.4f) m moved %.3g mm in one step; "
           "reset to go on, lower dynamics.time_step or step_safety if it comes again",
           e.index, p.x(), p.y(), p.z(), 1e3 * e.value);
-    case LogEvent::Kind::FrozenInverted:
-      return format(
-          "frozen: %s inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
-          "reset to go on, press less hard or refine there",
-          pointsAre(e.value).c_str(), e.index, p.x(), p.y(), p.z());
     case LogEvent::Kind::RestoredNotFinite:
       return format(
           "restored: the displacement of node %d at (%.4f, %.4f, %.4f) m was not a number; the tissue is back where "
@@ -41,11 +34,6 @@ std::string sentence(const LogEvent& e) {
           "restored: node %d at (%.4f, %.4f, %.4f) m moved %.3g mm in one step; the tissue is back where it was "
           "shortly before, at rest",
           e.index, p.x(), p.y(), p.z(), 1e3 * e.value);
-    case LogEvent::Kind::RestoredInverted:
-      return format(
-          "restored: %s inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; the tissue is back "
-          "where it was shortly before, at rest",
-          pointsAre(e.value, "was", "were").c_str(), e.index, p.x(), p.y(), p.z());
     case LogEvent::Kind::RestoredFolded:
       return format(
           "restored: nothing touches the tissue, and yet it stayed folded, a point of it at %.0f %% of its volume; it "

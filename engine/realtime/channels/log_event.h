@@ -15,10 +15,8 @@ struct LogEvent {
   enum class Kind : std::uint8_t {
     FrozenNotFinite,    // node, position
     FrozenBlowUp,       // node, position; value: m, increment in one step
-    FrozenInverted,     // point, position; value: inverted points
     RestoredNotFinite,  // the same, after which the tissue went back to an earlier state
     RestoredBlowUp,
-    RestoredInverted,
     RestoredFolded,   // value: J of the worst point
     InvertedPoints,   // warning: point, position; value: how many
     ContactOverflow,  // warning
@@ -53,18 +51,18 @@ struct LogEvent {
   double value = 0;
   Overload overload;
 
-  bool isFreeze() const { return kind <= Kind::FrozenInverted; }
-  bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredFolded; }
+  bool isFreeze() const { return kind <= Kind::FrozenBlowUp; }
+  bool isRestore() const { return kind > Kind::FrozenBlowUp && kind <= Kind::RestoredFolded; }
   bool isWarning() const {
-    return (kind > Kind::FrozenInverted && kind <= Kind::Overloaded) || kind == Kind::ToolYields ||
+    return (kind > Kind::FrozenBlowUp && kind <= Kind::Overloaded) || kind == Kind::ToolYields ||
            kind == Kind::ToolLetsGo;
   }
 };
 
 using LogRing = SpscRing<LogEvent>;
 
-/// "12.340 s: frozen: 12 integration points are inverted, the worst, 4711, at (0.0100, 0.0200, 0.0510) m;
-/// reset to go on, press less hard or refine there". Allocates: not for the loop thread.
+/// "12.340 s: 12 integration points are inverted, the worst, 4711, at (0.0100, 0.0200, 0.0510) m;
+/// results there are not to be trusted". Allocates: not for the loop thread.
 std::string logText(const LogEvent& event);
 
 /// The same without the time, and of an overload only what a user needs: how long the computer was late.

@@ -39,7 +39,6 @@ ToolProxy::ToolProxy(const Model& model, int tool)
       max_speed_(model.tools.tool[static_cast<std::size_t>(tool)].max_speed),
       arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.dynamics.rate_hz))),
       max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.dynamics.rate_hz),
-      support_(model, tool),
       snag_(model, tool),
       skin_scratch_(model.skin.surface.vertices.size()) {}
 
@@ -108,10 +107,8 @@ void ToolProxy::letGoWhereStuck(const State& state, const Vec3& hand, const Step
 ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const StepReport& last) {
   letGoWhereStuck(state, hand.pose.position, last);
   if (memory_.lets_go) {
-    ToolPosture free = hand;
-    free.pose = beforeSupport(state, hand.pose, hand.pose);
     yield_ = 0;
-    return free;
+    return hand;
   }
   const ToolLoad& load = last.loads[static_cast<std::size_t>(tool_)];
   return {followFrom(state, hand.pose, load.force, last), followOpening(hand.opening, state, last)};
@@ -146,19 +143,6 @@ Pose ToolProxy::followFrom(const State& state, const Pose& hand, const Vec3& for
       memory_.arrived_ticks = 0;
     }
   }
-  return beforeSupport(state, hand, pose);
-}
-
-/// A pose that is wanted, or where the tool stands before what holds the organ.
-Pose ToolProxy::beforeSupport(const State& state, const Pose& hand, const Pose& wanted) {
-  if (support_.empty()) return wanted;
-  const ToolPosture& from = state.tool[tool_];
-  const Vec3 move = inOneTick(wanted.position - from.pose.position), free = support_.stop(from, move);
-  if (free == move) return wanted;
-  Pose pose = wanted;
-  pose.position = from.pose.position + free;
-  memory_.arrived_ticks = 0;
-  yield_ = (hand.position - pose.position).norm();
   return pose;
 }
 

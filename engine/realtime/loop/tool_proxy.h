@@ -4,7 +4,6 @@
 
 #include "model/model.h"
 #include "model/state.h"
-#include "realtime/loop/rigid_support.h"
 #include "realtime/loop/snag_watch.h"
 
 namespace palpate {
@@ -33,10 +32,8 @@ struct YieldLimits {
 /// Where the skin beside it is drawn out it goes no further from where that is at rest (drawnWay).
 /// To more than ToolSetUp::max_force it gives way within the step (ToolHold).
 ///
-/// It stands before what holds the organ (RigidSupport), whatever the tissue between takes.
-///
 /// Where it is stuck in the tissue (SnagWatch) it lets go: it goes to the hand without touching tissue, which springs
-/// back; once it is there and outside of the skin it touches again. What is rigid stops it all the while.
+/// back; once it is there and outside of the skin it touches again. What is rigid stops it all the while (RigidStop).
 ///
 /// In tissue it advances at half the speed of sound at most: for very soft tissue and a very quick hand.
 /// Across the push and backwards the tool is free; it doesn't slide off a slope, as it would along the skin. Where no
@@ -110,7 +107,6 @@ class ToolProxy {
   Vec3 inOneTick(const Vec3& move) const;
   void letGoWhereStuck(const State& state, const Vec3& hand, const StepReport& last);
   bool isOutside(const State& state, const Vec3& hand, const StepReport& last);
-  Pose beforeSupport(const State& state, const Pose& hand, const Pose& wanted);
   Pose followFrom(const State& state, const Pose& hand, const Vec3& force, const StepReport& last);
   Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, double g);
 
@@ -120,7 +116,6 @@ class ToolProxy {
   double max_speed_;  // m/s
   const int arrival_ticks_;
   const double max_advance_;  // m a tick in tissue
-  RigidSupport support_;
   SnagWatch snag_;
   Memory memory_;                    // but for snag_'s
   std::vector<Vec3f> skin_scratch_;  // (skin vertex_count)

@@ -21,10 +21,10 @@ Vec3 placeOf(const std::vector<Vec3>& X, int index) {
 
 }  // namespace
 
-Watchdog::Watchdog(const Model& model, const WatchdogLimits& limits) : model_(&model), limits_(limits) { reset(); }
+Watchdog::Watchdog(const Model& model) : model_(&model) { reset(); }
 
 void Watchdog::reset() {
-  inverted_ticks_ = recent_losses_ = 0;
+  recent_losses_ = 0;
   losses_.fill(kNever);
   last_seen_.fill(kNever);
 }
@@ -45,7 +45,6 @@ Verdict Watchdog::lost(std::int64_t tick) {
   if (recent_losses_ == static_cast<int>(losses_.size())) return Verdict::Freeze;
   losses_[next_loss_] = tick;
   next_loss_ = (next_loss_ + 1) % losses_.size();
-  inverted_ticks_ = 0;
   return Verdict::Restore;
 }
 
@@ -78,17 +77,6 @@ Verdict Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& lo
              report.max_increment);
     return verdict;
   }
-  const int flood =
-      std::max(limits_.flood_minimum, static_cast<int>(std::ceil(limits_.flood_fraction * model_->pointCount())));
-  const int flood_at_once = std::max(flood, static_cast<int>(std::ceil(limits_.flood_at_once * model_->pointCount())));
-  inverted_ticks_ = report.inverted_points >= flood ? inverted_ticks_ + 1 : 0;
-  if (inverted_ticks_ >= limits_.flood_ticks || report.inverted_points >= flood_at_once) {
-    const Verdict verdict = lost(tick);
-    logEvent(verdict == Verdict::Freeze ? Kind::FrozenInverted : Kind::RestoredInverted, report.worst_point, point_X,
-             report.inverted_points);
-    return verdict;
-  }
-
   if (begins(0, report.inverted_points > 0, tick)) {
     logEvent(LogEvent::Kind::InvertedPoints, report.worst_point, point_X, report.inverted_points);
   }

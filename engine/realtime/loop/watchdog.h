@@ -17,22 +17,14 @@ enum class Verdict : std::uint8_t {
   Freeze,   // it has been lost too often of late
 };
 
-/// When the watchdog takes the solution for lost.
-struct WatchdogLimits {
-  // One or two points that are inverted under a hard poke recover; many do not.
-  double flood_fraction = 0.02;  // of the integration points (at least flood_minimum)
-  int flood_minimum = 8;
-  int flood_ticks = 25;         // in a row with that many: lost
-  double flood_at_once = 0.20;  // of the integration points: lost in the first tick
-};
-
-/// Judges each tick's report: go on, warn, restore, or freeze: where the solution has been lost and restored three
+/// Judges each tick's report: go on, warn, restore (what is not finite, or blew up; no point turns inside out, which
+/// CompressionLimit sees to), or freeze: where the solution has been lost and restored three
 /// times within a second of physics time, the fourth loss freezes the tissue. A warning is logged when its
 /// condition begins, and again only after the condition has been absent for a second.
 /// Real-time: no allocation, no lock, no throw.
 class Watchdog {
  public:
-  explicit Watchdog(const Model& model, const WatchdogLimits& limits = {});
+  explicit Watchdog(const Model& model);
 
   /// @param tick  of the run; goes into the events
   /// Where the verdict is not Good, log holds an event that names cause and place.
@@ -52,8 +44,6 @@ class Watchdog {
   Verdict lost(std::int64_t tick);
 
   const Model* model_;
-  WatchdogLimits limits_;
-  int inverted_ticks_ = 0;
   std::array<std::int64_t, 3> losses_{};  // ticks of the last, as a ring
   std::size_t next_loss_ = 0;
   int recent_losses_ = 0;

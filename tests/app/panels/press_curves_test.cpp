@@ -73,7 +73,7 @@ TEST_CASE("What is said to who holds the probe has no node numbers - the details
   LogEvent event;
   event.index = 4711;
   event.value = 1.93e8;
-  for (const auto kind : {LogEvent::Kind::FrozenBlowUp, LogEvent::Kind::RestoredInverted, LogEvent::Kind::ToolYields,
+  for (const auto kind : {LogEvent::Kind::FrozenBlowUp, LogEvent::Kind::RestoredBlowUp, LogEvent::Kind::ToolYields,
                           LogEvent::Kind::DeepContact}) {
     event.kind = kind;
     const auto notice = noticeOf(event);

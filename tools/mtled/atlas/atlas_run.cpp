@@ -46,16 +46,9 @@ struct Mean {
 };
 
 const char* lossName(const LogEvent& event) {
-  switch (event.kind) {
-    case LogEvent::Kind::FrozenNotFinite:
-    case LogEvent::Kind::RestoredNotFinite:
-      return "not finite";
-    case LogEvent::Kind::FrozenBlowUp:
-    case LogEvent::Kind::RestoredBlowUp:
-      return "blow-up";
-    default:
-      return "frozen: points inside out";
-  }
+  const bool not_finite =
+      event.kind == LogEvent::Kind::FrozenNotFinite || event.kind == LogEvent::Kind::RestoredNotFinite;
+  return not_finite ? "not finite" : "blow-up";
 }
 
 /// What a tick has led to.

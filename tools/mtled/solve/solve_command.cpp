@@ -25,6 +25,7 @@
 #include "scene/scene_messages.h"
 #include "setup/free_axes.h"
 #include "step/resolution.h"
+#include "step/rigid_stop.h"
 #include "step/tool_bodies.h"
 
 namespace palpate::tools {
@@ -111,6 +112,16 @@ struct Task {
   bool resume;
 
   ToolsAt toolsAt(double time) const { return tools.at(model, time); }
+
+  /// Where they are after the first `steps`, which take `step` s each: what is rigid may have stopped them.
+  ToolsAt toolsAfter(std::int64_t steps, double step) const {
+    ToolsAt at = BatchTools(model).at();
+    for (std::int64_t k = 1; k <= steps; ++k) {
+      const double time = step * static_cast<double>(k);
+      at = stoppedByRigid(model, at, toolsAt(time), time);
+    }
+    return at;
+  }
 };
 
 int solveStatic(const Task& task, SolveResults& results) {
@@ -119,8 +130,7 @@ int solveStatic(const Task& task, SolveResults& results) {
   StaticSolver solver(task.model, task.threads, spec.tolerance);
   if (task.resume)
     solver.resume(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps,
-                  results.checkpoint().u,
-                  task.toolsAt(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps),
+                  results.checkpoint().u, task.toolsAfter(results.checkpoint().position, task.end / spec.load_steps),
                   results.checkpoint().largest);
   ProgressLine progress("solve");
   int iterations = 0;
@@ -141,7 +151,7 @@ int solveStatic(const Task& task, SolveResults& results) {
     if (!e.converged) break;
     results.add({k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.loads, e.rigid, solver.largestSoFar(),
                  e.doubt, e.expected_error, e.worst_point},
-                solver.body());
+                solver.body(), task.toolsAt(time));
   }
   results.finish({{"mode", "static"},
                   {"converged", e.converged},
@@ -171,13 +181,13 @@ int solveStatic(const Task& task, SolveResults& results) {
 int solveTransient(const Task& task, SolveResults& results) {
   const auto start = std::chrono::steady_clock::now();
   TransientSolver solver(task.model, task.threads);
+  const double tick = 1 / task.model.scene.dynamics.rate_hz;
   if (task.resume) results.checkHistory(solver.body().history());
   if (task.resume)
     solver.resume(results.checkpoint().position, results.checkpoint().u, results.checkpoint().du,
-                  task.toolsAt(static_cast<double>(results.checkpoint().position) * task.model.dt),
+                  task.toolsAfter(results.checkpoint().position / task.model.substeps_per_tick, tick),
                   results.checkpoint().history);
   ProgressLine progress("solve");
-  const double tick = 1 / task.model.scene.dynamics.rate_hz;
   const auto ticks = static_cast<std::int64_t>(ticksTo(task.end, task.model.scene));
   // What the cloud's fineness is worth takes as long to find as a step: of some ticks, and the last.
   const std::int64_t interval = 1 + ticks / 200;
@@ -205,7 +215,7 @@ int solveTransient(const Task& task, SolveResults& results) {
                    std::max(report->doubt, unresolved),
                    expected_error,
                    report->worst_point},
-                  solver.body());
+                  solver.body(), task.toolsAt(static_cast<double>(k) * tick));
     char detail[64];
     std::snprintf(detail, sizeof detail, "%.4g of %.4g s", solver.time(), task.end);
     progress.show(static_cast<double>(k) / static_cast<double>(ticks), detail);

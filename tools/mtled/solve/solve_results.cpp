@@ -131,7 +131,12 @@ void SolveResults::checkHistory(const AlignedVector<double>& solver) const {
     throw InputError({checkpointFile()}, "the checkpoint is damaged", "start without --resume");
 }
 
-void SolveResults::add(const SolvedRow& solved, const BatchBody& body) {
+void SolveResults::add(const SolvedRow& solved, const BatchBody& body, const ToolsAt& tools) {
+  for (std::size_t t = 0; t < static_cast<std::size_t>(tools.count); ++t) {
+    const double lacking = (tools.posture[t].pose.position - body.tools().posture[t].pose.position).norm();
+    if (short_of_way_ == 0) short_from_ = solved.time;
+    short_of_way_ = std::max(short_of_way_, lacking);
+  }
   std::vector<double> row{solved.time, static_cast<double>(solved.iterations), solved.min_J,
                           static_cast<double>(solved.inverted_points)};
   const auto append = [&](const Vec3& v) { row.insert(row.end(), v.data(), v.data() + 3); };
@@ -226,6 +231,7 @@ void SolveResults::finish(nlohmann::json outcome) {
   for (std::size_t l = 0; l < last_load_forces_.size(); ++l)
     outcome["loads"][model_.scene.loads[l].name] = {{"force_N", listed(last_load_forces_[l])}};
   if (model_.tools.several() && last_loads_) outcome["tools"] = tools();
+  if (short_of_way_ > 0) outcome["tool_stopped"] = {{"short_m", short_of_way_}, {"first_time_s", short_from_}};
   if (!last_row_.empty()) {
     outcome["time_s"] = last_row_[0];
     outcome["min_J"] = last_row_[2];
@@ -240,6 +246,9 @@ void SolveResults::print() const {
             << folder_ << "/report.json\n";
   if (!probes_.X.empty()) std::cout << "probes       " << folder_ << "/probes.csv\n";
   std::cout.flush();
+  if (short_of_way_ > 0)
+    std::cerr << "mtled: from " << number(short_from_) << " s on a tool stands before what is rigid, up to "
+              << number(1e3 * short_of_way_) << " mm short of its way\n";
   const Doubt doubt = trust_.doubt();
   if (doubt == Doubt::None) return;
   std::cerr << "mtled: the result is not to be trusted from " << number(trust_.firstTime()) << " s on";

@@ -57,7 +57,8 @@ class SolveResults {
   Doubt doubt() const { return trust_.doubt(); }
 
   /// A row of force.csv, with a frame when its time has come and a checkpoint every ten seconds.
-  void add(const SolvedRow& solved, const BatchBody& body);
+  /// @param tools  where the load has them: what is rigid may have stopped them before
+  void add(const SolvedRow& solved, const BatchBody& body, const ToolsAt& tools);
 
   /// Probes, checkpoint and report of the last row. @param outcome  more members of the report
   void finish(nlohmann::json outcome);
@@ -90,9 +91,10 @@ class SolveResults {
   double expected_error_ = 0;        // of the last row
   std::optional<Vec3> doubt_place_;  // of the gravest
   std::vector<Reaction> last_reactions_;
-  std::optional<RigidLoads> last_rigid_;  // of this run
-  std::vector<Vec3> last_load_forces_;    // N, of surface loads
-  std::optional<ToolLoads> last_loads_;   // likewise
+  std::optional<RigidLoads> last_rigid_;      // of this run
+  std::vector<Vec3> last_load_forces_;        // N, of surface loads
+  std::optional<ToolLoads> last_loads_;       // likewise
+  double short_of_way_ = 0, short_from_ = 0;  // m, that a tool was stopped before, at most; s, from when on
   std::vector<PvdFrame> pvd_;
   Checkpoint checkpoint_;
   Clock::time_point saved_ = Clock::now();
