@@ -8,6 +8,7 @@
 #include "model/solution_fields.h"
 #include "setup/mixtures.h"
 #include "step/held_nodes.h"
+#include "step/rim_force.h"
 #include "step/step_report.h"
 #include "step/trust.h"
 
@@ -199,6 +200,10 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time, con
   report.strain_energy = forces_report.strain_energy;
   report.doubt = doubt(forces_report, report);
   return report;
+}
+
+double BatchBody::rimShare(const ToolLoads& loads) const {
+  return palpate::rimShare<double>(model_, tools_.contacts(), tools_.at().posture, u.data(), loads);
 }
 
 }  // namespace palpate

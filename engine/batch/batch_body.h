@@ -44,6 +44,8 @@ class BatchBody {
   void placeTools(const ToolsAt& tools) { tools_.place(tools); }
   /// Tools that were never moved are not there, but have a place: their start.
   const ToolsAt& tools() const { return tools_.at(); }
+  /// rimShare (rim_force.h) of the last step's loads.
+  double rimShare(const ToolLoads& loads) const;
 
   /// The rigid bodies' forces are this layer's from now on, and part of forces(): for static solutions.
   void meetRigidBodiesBy(RigidLayer& layer) { layer_ = layer.empty() ? nullptr : &layer; }

@@ -13,6 +13,7 @@
 #include "scene/scene_messages.h"
 #include "setup/mixtures.h"
 #include "step/resolution.h"
+#include "step/rim_force.h"
 
 namespace palpate {
 namespace {
@@ -343,8 +344,19 @@ double EquilibriumSensitivity::expectedError() {
   loads[0].force = toolForce();
   ToolPosture tip;
   if (tool_) tip.pose = *tool_;
-  return lacking_ + palpate::expectedError(model_, modelMaterials(), u_, body_.forces(u_, f_plus_).strain_energy,
-                                           PressList(loads), {&tip, tool_ ? 1U : 0U});
+  const double of_cloud = palpate::expectedError(model_, modelMaterials(), u_, body_.forces(u_, f_plus_).strain_energy,
+                                                 PressList(loads), {&tip, tool_ ? 1U : 0U});
+  const double force = loads[0].force.norm();
+  if (!(force > 0)) return lacking_ + of_cloud;
+  const Vec3 aside = asideOfRims(profile_, *tool_, [this](auto call) {
+    for (const ContactPoint& point : contact_) {
+      if (!point.active) continue;
+      const Vec3 x = placeOf(point, u_), normal = toolDistance(profile_, tool_->toLocal(x)).normal;
+      const double area = model_.skin.area[static_cast<std::size_t>(point.vertex)];
+      call(normal, contactForce(point, x).norm(), [&] { return std::pair(x, area); });
+    }
+  });
+  return lacking_ + std::hypot(of_cloud, aside.norm() / force);
 }
 
 void EquilibriumSensitivity::check(const MaterialNumber& number) const { parameterOf(scene_, of_scene_, number); }

@@ -206,6 +206,7 @@ Equilibrium StaticSolver::advanceTo(double time, const ToolsAt& wanted, const Wa
       presses.findTouches(model_, time, body_.u);
       equilibrium.expected_error =
           expectedError(model_, model_.materials, body_.u, equilibrium.strain_energy, presses, tools.posture, before_);
+      equilibrium.expected_error = std::hypot(equilibrium.expected_error, body_.rimShare(equilibrium.loads));
       if (presses.count == 0) before_ = equilibrium.strain_energy;
       if (equilibrium.expected_error > TrustLimits::expected_error)
         equilibrium.doubt = std::max(equilibrium.doubt, Doubt::Resolution);

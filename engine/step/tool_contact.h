@@ -27,12 +27,7 @@ ToolContact toolContact(const Model& model, const State& state, int tool = 0);
 /// Real-time as toolContact.
 ToolPostures posturesAtRest(const Model& model, const State& state);
 
-/// N, what pushes a tool aside beside its rims that are sharper than the skin's edges are long: the size of the sum of
-/// the normal forces at points there that look more than 45 degrees away from what the body feels as a whole, across
-/// that. Skin lies below such a rim and passes it; of points some stand beside the tool's wall, and are dragged along:
-/// a flat end of 10 mm with a rim of 0.3 mm, drawn 3.5 mm over nodes 3 mm apart without friction, was held by 28 % of
-/// its force, of which this has 25.
-/// Real-time as toolContact. Test: simulation/tool_contact_test.cpp
+/// rimForce (rim_force.h) after a step.
 double rimForce(const Model& model, const State& state, int tool);
 
 /// Calls `call(vertex, force)` for each force at a skin vertex, N on the tissue.

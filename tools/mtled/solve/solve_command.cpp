@@ -199,8 +199,10 @@ int solveTransient(const Task& task, SolveResults& results) {
     if (stopped) break;
     diverged = !report->finite || report->max_increment > task.model.max_increment;
     if (k % interval == 0 || k == ticks)
-      expected_error = expectedError(task.model, task.model.materials, solver.body().u, report->strain_energy,
-                                     PressList(report->loads), solver.body().tools().posture);
+      expected_error =
+          std::hypot(expectedError(task.model, task.model.materials, solver.body().u, report->strain_energy,
+                                   PressList(report->loads), solver.body().tools().posture),
+                     solver.body().rimShare(report->loads));
     const Doubt unresolved = expected_error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None;
     if (!diverged)
       results.add({solver.step(),
