@@ -227,7 +227,8 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
           .c_str());
   if (data.snapshot.yield_m > least_yield)
     row("Behind the hand", format("%.1f mm", data.snapshot.yield_m * mm), colours::warning,
-        "the tool yields: the tissue can take no more (tool.max_force and others); the ghost is the hand");
+        "the tool stands before what is rigid, or yields: the tissue can take no more (tool.max_force and others); the "
+        "ghost is the hand");
   if (data.snapshot.status.restored_count > 0)
     row("Set back", format("%lld times", static_cast<long long>(data.snapshot.status.restored_count)), colours::warning,
         "the tissue could take no more, and went back to where it was shortly before");

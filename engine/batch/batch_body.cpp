@@ -184,8 +184,8 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time, con
   for (std::size_t i = 0; i < u.size(); ++i)
     store(du[i], (own_beta ? own_beta[i] : beta) * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
   addLoads(alpha, time);
-  if (layer_) report.contact.rigid = layer_->loads();
   if (hasContact()) contact(alpha, time, report);
+  if (layer_) report.contact.rigid = layer_->loads();
   imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
   double largest = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {

@@ -468,3 +468,17 @@ TEST_CASE("What rigid bodies can't be is refused", "[simulation][rigid]") {
   scene.rigid[0] = halfSpace(Vec3(0, 0, 0.0025), Vec3::UnitZ());
   fails(scene, "reaches 2.5 mm into the rigid body \"floor\"");
 }
+
+TEST_CASE("In an equilibrium a floor bears what a tool presses", "[simulation][rigid][whole]") {
+  Scene scene = test::blockScene();
+  scene.boundaries = {test::roller(Vec3(-0.03, 0, 0), 0), test::roller(Vec3(0, -0.03, 0), 1)};
+  RigidSpec floor;
+  floor.name = "floor";
+  scene.rigid = {floor};
+  const Model model = test::blockModel(scene);
+  StaticSolver solver(model, 2, 1e-4);
+  const Equilibrium equilibrium = solver.advanceTo(0, test::toolAt(model, 0.005));
+  REQUIRE(equilibrium.converged);
+  CHECK(equilibrium.tool_force.z() > 0.01);
+  CHECK(equilibrium.rigid[0].force.z() == Approx(-equilibrium.tool_force.z()).epsilon(1e-3));
+}

@@ -25,7 +25,7 @@ struct LogEvent {
     TickLate,         // warning: overload.worst
     Overloaded,       // warning: overload, which goes on
     OverloadEnded,    // overload
-    ToolYields,       // warning: value: m, how far the tool stays behind the hand
+    ToolYields,       // warning: value: m, how far the tool is from the hand; index: 1 where what is rigid stops it
     ToolLetsGo,       // warning: index: tool
     Reset,            // index: 1 where a script or replay begins again with it
     Undone,           // value: s of physics time that the tissue went back; 0: nothing was kept to go back to

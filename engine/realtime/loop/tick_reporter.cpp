@@ -94,7 +94,7 @@ void TickReporter::watchYield(const RunState& run) {
   if (run.yield < kTold || !report_.isTouched()) return;
   const bool begins = last_yield_tick_ < 0 || secondsAt(run.tick - last_yield_tick_) > kQuietSeconds;
   last_yield_tick_ = run.tick;
-  if (begins) logEvent(LogEvent::Kind::ToolYields, run, -1, run.yield);
+  if (begins) logEvent(LogEvent::Kind::ToolYields, run, report_.loads[0].stopped ? 1 : 0, run.yield);
 }
 
 void TickReporter::showState() {

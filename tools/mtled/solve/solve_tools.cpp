@@ -10,6 +10,7 @@ namespace palpate::tools {
 SolveTools::SolveTools(const Scene& scene, const std::string& named) {
   const std::vector<ToolSpec>& specs = scene.tools;
   several_ = specs.size() > 1 || specs[0].jaws();
+  there_ = several_ || specs[0].place.line > 0;
   for (std::size_t t = 0; t < specs.size(); ++t) {
     if (t == 0 && !named.empty())
       script_.push_back(namedScript(named, specs[t].shape.radius));
@@ -32,7 +33,7 @@ bool SolveTools::moved() const {
 }
 
 ToolsAt SolveTools::at(const Model& model, double time) const {
-  if (!several_ && !moved()) return {};
+  if (!there_ && !moved()) return {};
   ToolsAt at;
   at.count = static_cast<int>(script_.size());
   for (std::size_t t = 0; t < script_.size(); ++t) {

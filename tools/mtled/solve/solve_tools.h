@@ -11,8 +11,8 @@
 
 namespace palpate::tools {
 
-/// The tools of a solution and the scripts that move them. A scene's one tool is there where a script moves it; where
-/// a scene has several, or jaws, all are there, and those without a script stand where they start.
+/// The tools of a solution and the scripts that move them. Those that the scene's file has are there; without a script
+/// they stand where they start.
 class SolveTools {
  public:
   /// @param named  script of the first tool in place of the scene's own; "": that
@@ -30,7 +30,7 @@ class SolveTools {
   void addTo(ByteKey& key) const;
 
  private:
-  bool several_;
+  bool several_, there_;
   std::vector<std::optional<ToolScript>> script_;  // (tool_count)
 };
 
