@@ -308,6 +308,9 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
   if (coupled_tool_) {
     device_ = std::make_unique<DeviceThread>(openDevice(options_.device, model_), *coupled_tool_, model_, *loop_);
     log_.info("device: " + device_->name());
+    device_watch_.emplace(device_->name(), [this](bool warning, const std::string& text) {
+      warning ? log_.warning("device: " + text) : log_.info("device: " + text);
+    });
   }
 }
 
@@ -404,7 +407,7 @@ void Session::gather() {
     next_event_.reset();
   }
   followSearch();
-  followDevice();
+  if (device_ && !ended_) device_watch_->update(device_->status(), 1e-9 * static_cast<double>(latest_ns_));
   if (notice_ && !notice_->frozen && forces_.lastTime() > notice_->time_s + notice_seconds) notice_.reset();
   changes_lost_ |= loop_->recorded().size() + 1 >= window_record_capacity;  // a full ring takes no more
   TimedRequest change;
@@ -413,18 +416,6 @@ void Session::gather() {
       recording_->changes.push_back(change);
     else
       changes_.add(change);
-}
-
-/// Tells of a device's service that went, or came back.
-void Session::followDevice() {
-  if (!device_ || ended_ || device_->connected() == device_there_) return;
-  device_there_ = !device_there_;
-  if (device_there_) {
-    log_.info("device: " + device_->name() + " is back");
-  } else {
-    ++device_losses_;
-    log_.warning("device: " + device_->name() + " is gone; its force has faded, and it is looked for each second");
-  }
 }
 
 /// The forces of the ticks up to this one.

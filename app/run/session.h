@@ -10,6 +10,7 @@
 #include "app/panels/force_history.h"
 #include "app/panels/log.h"
 #include "app/panels/panels.h"
+#include "app/run/device_watch.h"
 #include "app/run/kept_changes.h"
 #include "app/run/options.h"
 #include "app/run/result_folder.h"
@@ -156,7 +157,6 @@ class Session {
   void takeEvent(const LogEvent& event);
   void beginSearch();
   void followSearch();
-  void followDevice();
   void takeSaid(const LogEvent& event);
   void submitForTrainee();
   std::string withNames(std::string text, const LogEvent& event) const;
@@ -194,8 +194,7 @@ class Session {
   std::unique_ptr<CoupledTool> coupled_tool_;  // a haptic device's end in the loop, and its thread
   std::unique_ptr<SimulationLoop> loop_;
   std::unique_ptr<DeviceThread> device_;
-  bool device_there_ = true;
-  int device_losses_ = 0;
+  std::optional<DeviceWatch> device_watch_;
   const Snapshot* latest_ = nullptr;
   std::int64_t latest_ns_ = 0;             // CLOCK_MONOTONIC, when it was taken
   std::optional<ForceSample> next_force_;  // of a tick after it

@@ -106,7 +106,13 @@ void Session::finishDevice() {
              "%.2f mJ, %.2f mJ damped",
              asLongLong(report.poses), report.peak_force, report.stiffness, 1e3 * report.delay_s,
              1e3 * report.lowest_energy_J, 1e3 * report.damped_J));
-  if (device_losses_ > 0) log_.warning(format("device: %s was gone %d times", device_->name().c_str(), device_losses_));
+  if (const int losses = device_watch_->losses(); losses > 0)
+    log_.warning(format("device: %s was gone %d times", device_->name().c_str(), losses));
+  if (report.lacking_s > 0.5)
+    log_.warning(
+        format("device: for %.1f s the hand felt less than it should, by a fifth or more: the tool had slipped, "
+               "at the end by %.1f mm",
+               report.lacking_s, 1e3 * report.slipped_m));
   if (report.silences > 0 || report.fades > 0 || device_->refusedCount() > 0)
     log_.warning(format("device: silent %lld times, force faded %lld times, %lld messages refused",
                         asLongLong(report.silences), asLongLong(report.fades), asLongLong(device_->refusedCount())));
@@ -120,6 +126,11 @@ RunReport Session::report() {
                                    volumeChange(modelOf(latest(), model_), latest().u.data()));
   for (std::size_t b = 0; b < model_.scene.boundaries.size(); ++b)
     report.regions.push_back({model_.scene.boundaries[b].name, physics_->reactions()[b]});
+  if (device_ && ended_) {
+    const DeviceReport device = device_->report();
+    report.device = {device.poses,           device.silences,  device.fades,    device_->refusedCount(),
+                     device.lowest_energy_J, device.slipped_m, device.lacking_s};
+  }
   return report;
 }
 

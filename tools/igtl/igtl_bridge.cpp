@@ -106,8 +106,8 @@ class Body {
 /// One client: a thread takes what it sends, the calling one sends.
 class Connection {
  public:
-  Connection(igtl::ClientSocket::Pointer socket, Body& body, const Options& options)
-      : socket_(std::move(socket)), body_(body), options_(options) {
+  Connection(igtl::ClientSocket::Pointer socket, igtl::ServerSocket& server, Body& body, const Options& options)
+      : socket_(std::move(socket)), server_(server), body_(body), options_(options) {
     socket_->SetReceiveTimeout(stop_wait_ms);
     socket_->SetSendTimeout(send_wait_ms);
   }
@@ -117,6 +117,7 @@ class Connection {
     std::jthread receiver([this] { receive(); });
     const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / options_.rate));
     for (auto next = Clock::now(); !gone_ && !stopped && next < end; next += period) {
+      refuseOthers();
       std::this_thread::sleep_until(next);
       sendAll();
       if (Clock::now() > next + period) next = Clock::now();  // a client that takes less often gets less
@@ -125,6 +126,15 @@ class Connection {
   }
 
  private:
+  /// One client at a time. One that waited would be heard when this one has gone, with poses that are long past.
+  void refuseOthers() {
+    constexpr int at_once_ms = 1;
+    const igtl::ClientSocket::Pointer other = server_.WaitForConnection(at_once_ms);
+    if (other.IsNull()) return;
+    other->CloseSocket();
+    std::cerr << "palpate-igtl: another client was refused: one at a time" << std::endl;
+  }
+
   template <class Message>
   void send(const Message& message) {
     auto now = igtl::TimeStamp::New();
@@ -225,6 +235,7 @@ class Connection {
   }
 
   igtl::ClientSocket::Pointer socket_;
+  igtl::ServerSocket& server_;
   Body& body_;
   const Options& options_;
   std::atomic<bool> gone_ = false, volume_wanted_ = false;
@@ -245,7 +256,7 @@ void run(const Options& options) {
     igtl::ClientSocket::Pointer client = server->WaitForConnection(stop_wait_ms);
     if (client.IsNull()) continue;
     std::cout << "a client has come" << std::endl;
-    Connection(client, body, options).serve(end);
+    Connection(client, *server, body, options).serve(end);
     client->CloseSocket();
     std::cout << "the client is gone; the tool stays where it is" << std::endl;
   }

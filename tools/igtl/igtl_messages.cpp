@@ -14,7 +14,7 @@ namespace {
 
 constexpr double mm = 1e-3;         // m
 constexpr double rigid = 1e-3;      // how far columns may be from unit and perpendicular: trackers send floats
-constexpr double farthest = 1e6;    // m, of a pose of palpate.h
+constexpr double farthest = 10;     // m, as of a device's handle
 constexpr double nudge = 1.237e-5;  // of a voxel: no line through voxels meets a vertex of the skin
 
 /// Where vertical lines through voxels pass the skin: height, and 1 where it is left upwards, else -1.
@@ -93,7 +93,7 @@ std::optional<std::array<double, 7>> poseOf(const igtl::Matrix4x4& matrix, std::
   else if (!(turn.transpose() * turn).isIdentity(rigid) || turn.determinant() < 0)
     problem = "it is no rigid motion";
   else if (place.cwiseAbs().maxCoeff() > farthest)
-    problem = "it is more than a thousand kilometres away";
+    problem = "it is more than 10 m away; its numbers are mm";
   else
     problem.clear();
   if (!problem.empty()) return {};

@@ -15,6 +15,7 @@ constexpr double kContactSeconds = 0.005;           // for the coupling to come 
 constexpr double kVelocitySeconds = 0.004;          // smoothing of velocities made from an encoder's steps
 constexpr double kIntervalShare = 0.02;             // of a new interval between poses in their mean
 constexpr double kGap = 2.5;                        // intervals without a pose: some were lost
+constexpr double kLike = 0.3;                       // difference of two intervals of the same rate, as a share
 constexpr double kSoftens = 0.02, kStiffens = 1.0;  // s, of the coupling when its delay changes
 constexpr double kBraked = 0.1;    // m/s, up to which a handle that comes in is braked before it has paid
 constexpr double kUnknown = 3e-4;  // J, that forces under way may give to a handle at full speed that turns back
@@ -60,13 +61,16 @@ void DeviceCoupling::take(std::int64_t now, const DevicePose& pose) {
     if (phase_ == Phase::Engaged) stayWhile(pose);
     way = {};
   }
-  const bool gap = report_.poses == 1 || interval > std::max(silent_seconds, kGap * interval_s_);
+  // A slow device has like intervals, one that lost poses has not.
+  const bool regular = interval <= slowest_period && std::abs(interval - last_interval_) < kLike * interval;
+  last_interval_ = interval;
+  const bool gap = report_.poses == 1 || (!regular && interval > std::max(silent_seconds, kGap * interval_s_));
   energy_.moved(now, pose.felt, way, interval, gap);
-  if (!gap) interval_s_ += kIntervalShare * (interval - interval_s_);
+  if (!gap) interval_s_ += (regular && interval > interval_s_ ? 5 : 1) * kIntervalShare * (interval - interval_s_);
   // By the device's clock: the way here takes now longer, now shorter.
   const double told = seconds(pose.sent_ns - handle_.sent_ns);
   const double taken = told > 1e-5 && told < 10 * silent_seconds ? told : interval;
-  if (interval > silent_seconds) {
+  if (interval > silence()) {
     velocity_ = newest_velocity_ = {};
   } else {
     newest_velocity_ = {way.along / taken, way.turning / taken};
@@ -85,6 +89,11 @@ void DeviceCoupling::take(std::int64_t now, const DevicePose& pose) {
 void DeviceCoupling::stayWhile(const DevicePose& pose) {
   slack_ -= settings_.scale * (pose.pose.position - handle_.pose.position);
   turned_ = (turned_ * handle_.pose.orientation * pose.pose.orientation.conjugate()).normalized();
+}
+
+/// s without a pose, from which on the device is silent.
+double DeviceCoupling::silence() const {
+  return std::max(silent_seconds, kGap * std::min(interval_s_, slowest_period));
 }
 
 /// s, for which it isn't known what the handle does with a force.
@@ -266,7 +275,7 @@ DeviceWrench DeviceCoupling::update(std::int64_t told, const DevicePose* pose, c
   const std::int64_t now = now_ += gone;
   const double step = std::min(seconds(gone), kLongestCall);
   if (pose != nullptr) take(now, *pose);
-  const bool alive = report_.poses > 0 && seconds(now - pose_ns_) <= silent_seconds;
+  const bool alive = report_.poses > 0 && seconds(now - pose_ns_) <= silence();
   const bool usable = followTool(now, readForce(tool, told, rate_hz_), put_backs);
 
   if (phase_ == Phase::Engaged && !(alive && usable)) {
@@ -285,6 +294,10 @@ DeviceWrench DeviceCoupling::update(std::int64_t told, const DevicePose* pose, c
   if (phase_ == Phase::Engaged) force_ = coupling(now, step);
   target_.engaged = phase_ == Phase::Engaged;
 
+  const bool in_air = !touching_ && force_.along.isZero(0) && force_.turning.isZero(0);
+  calm_s_ = in_air ? calm_s_ + step : 0;
+  if (calm_s_ > calm_seconds) energy_.beginAnew();
+
   DeviceWrench wrench;
   wrench.sequence = ++sequence_;
   wrench.answers = handle_.sequence;
@@ -292,10 +305,19 @@ DeviceWrench DeviceCoupling::update(std::int64_t told, const DevicePose* pose, c
   wrench.force = force_.along;
   wrench.torque = settings_.lever * force_.turning;
   wrench.touching = touching_;
+  wrench.doubted = tool.doubt != Doubt::None;
+  wrench.short_of_force = lacking() > felt_lacking;
+  if (wrench.short_of_force) report_.lacking_s += step;
   energy_.sent(sequence_, now, force_);
   report_.peak_force = std::max(report_.peak_force, wrench.force.norm());
   report_.peak_torque = std::max(report_.peak_torque, wrench.torque.norm());
   return wrench;
+}
+
+double DeviceCoupling::lacking() const {
+  if (phase_ != Phase::Engaged || contact_ <= 0) return 0;
+  const double lost = stiffness_ / settings_.scale * slack_.norm();
+  return lost > 0 ? lost / (lost + force_.along.norm()) : 0;
 }
 
 DeviceReport DeviceCoupling::report() const {
@@ -303,6 +325,8 @@ DeviceReport DeviceCoupling::report() const {
   report.delay_s = energy_.delay();
   report.stiffness = stiffness_;
   report.slipped_m = slack_.norm();
+  report.lacking = lacking();
+  report.period_s = interval_s_;
   report.engaged = phase_ == Phase::Engaged;
   return report;
 }

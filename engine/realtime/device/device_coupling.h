@@ -24,6 +24,9 @@ struct DeviceReport {
   double delay_s = 0;                        // there and back, as far as the device tells; else what is assumed
   double stiffness = 0;                      // N/m, in force
   double slipped_m = 0;                      // that the spring's end is from the handle's place now
+  double lacking = 0;    // share of the force that the hand should feel, which the slip takes from it now
+  double lacking_s = 0;  // for how long that was above felt_lacking
+  double period_s = 0;   // from pose to pose
   bool engaged = false;
 };
 
@@ -49,16 +52,22 @@ struct DeviceReport {
 /// taken back in air, and in contact where that charges no spring. A contact only pushes: no force pulls the handle
 /// against the contact's normal.
 ///
-/// Dead man: no pose for 10 ms, and the force goes to zero within 40 ms; likewise where the tissue was put back, is
-/// frozen or late. Then the handle takes the tool again where both are, with the force that is out, and no more energy
-/// than that holds.
+/// Dead man: no pose for 10 ms, or for two and a half periods of a device that is slower (down to 50 Hz), and the force
+/// goes to zero within 40 ms; likewise where the tissue was put back, is frozen or late. Then the handle takes the tool
+/// again where both are, with the force that is out, and no more energy than that holds.
+///
+/// What the hand has got without paying, in a gap or by noise, is held against it until a second without force in
+/// air: no bounce lasts over that.
 ///
 /// World and device have the same axes. The handle's pose when it takes the tool is the tool's start.
 /// Real-time: no allocation, no lock, no throw. Test: realtime/device/device_coupling_test.cpp
 class DeviceCoupling {
  public:
-  static constexpr double silent_seconds = 0.010;
+  static constexpr double silent_seconds = 0.010;  // of a device that is quick enough
+  static constexpr double slowest_period = 0.020;  // s; slower ones are silent
+  static constexpr double calm_seconds = 1.0;      // without force in air: what was given is forgotten
   static constexpr double fade_seconds = 0.040;
+  static constexpr double felt_lacking = 0.2;      // a share of its force, that a hand notices
   static constexpr double slack_seconds = 0.1;     // in which a slip goes, to 1/e
   static constexpr double lightest_handle = 0.02;  // kg
   static constexpr double free_energy_J = 1e-4;    // that the hand may get without having paid: contacts begin sooner
@@ -75,12 +84,17 @@ class DeviceCoupling {
   /// Where the tool is pulled, after update().
   const DeviceTarget& target() const { return target_; }
   DeviceReport report() const;
+  /// Of report(), at any time: cheap.
+  double lacking() const;
+  double period() const { return interval_s_; }
+  std::int64_t poses() const { return report_.poses; }
 
  private:
   enum class Phase { Off, Engaged, Fading };
   void take(std::int64_t now, const DevicePose& pose);
   void stayWhile(const DevicePose& pose);
   double unknown() const;
+  double silence() const;
   bool followTool(std::int64_t now, const ForceReading& reading, std::uint32_t put_backs);
   void engage();
   void soften(double seconds);
@@ -106,8 +120,9 @@ class DeviceCoupling {
   double speed_ = 0;                            // m/s, nearly the highest of late
   std::int64_t told_ = 0, now_ = 1;             // ns, the caller's clock, and what has gone by
   std::int64_t pose_ns_ = 0;
-  double interval_s_ = 1e-3;  // from pose to pose
-  double stiffness_;          // N/m, in force, on the handle
+  double interval_s_ = 1e-3, last_interval_ = 0;  // from pose to pose
+  double calm_s_ = 0;                             // without force, in air
+  double stiffness_;                              // N/m, in force, on the handle
   std::int64_t tool_tick_ = -1, losses_ = 0;
   std::int64_t tool_ns_ = 0;  // when its tick came
   std::uint32_t put_backs_ = 0;

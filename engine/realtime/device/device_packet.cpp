@@ -71,6 +71,7 @@ DevicePacket packetOf(const DeviceWrench& w) {
   out.whole(std::bit_cast<std::uint64_t>(w.sent_ns), 8);
   out.vector(w.force);
   out.vector(w.torque);
+  out.whole((w.doubted ? 1 : 0) | (w.short_of_force ? 2 : 0), 4);
   return out.packet();
 }
 
@@ -105,6 +106,9 @@ bool readPacket(const unsigned char* bytes, std::size_t count, DeviceWrench& wre
   w.sent_ns = std::bit_cast<std::int64_t>(in.whole(8));
   w.force = in.vector();
   w.torque = in.vector();
+  const std::uint32_t flags = in.word();
+  w.doubted = (flags & 1) != 0;
+  w.short_of_force = (flags & 2) != 0;
   wrench = w;
   return w.force.allFinite() && w.torque.allFinite();
 }

@@ -25,6 +25,8 @@ struct DeviceWrench {
   Vec3 force = Vec3::Zero();   // N, on the handle
   Vec3 torque = Vec3::Zero();  // N m, on the handle
   bool touching = false;
+  bool doubted = false;         // the tissue's force is not to be trusted (ForceSample::doubt)
+  bool short_of_force = false;  // DeviceReport::lacking is above DeviceCoupling::felt_lacking
 };
 
 /// Whether the numbers can be those of a pose: finite, a turn that is one, within 10 m and 100 m/s.

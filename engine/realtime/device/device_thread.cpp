@@ -39,6 +39,11 @@ DeviceThread::DeviceThread(std::unique_ptr<DeviceBackend> backend, CoupledTool& 
       loop_(loop),
       period_ns_(std::llround(1e9 / std::max(1000.0, model.scene.dynamics.rate_hz))) {}
 
+DeviceStatus DeviceThread::status() const {
+  constexpr auto any = std::memory_order_relaxed;
+  return {connected_.load(any), poses_.load(any), refused_.load(any), period_.load(any), lacking_.load(any)};
+}
+
 void DeviceThread::stop() {
   quit_.store(true, std::memory_order_relaxed);
   if (thread_.joinable()) thread_.join();
@@ -52,6 +57,10 @@ void DeviceThread::run() {
     link_.exchange(clock.now(), loop_.force().sample);
     exchanges_.fetch_add(1, std::memory_order_relaxed);
     connected_.store(backend_->connected(), std::memory_order_relaxed);
+    poses_.store(link_.coupling().poses(), std::memory_order_relaxed);
+    refused_.store(backend_->refusedCount(), std::memory_order_relaxed);
+    period_.store(link_.coupling().period(), std::memory_order_relaxed);
+    lacking_.store(link_.coupling().lacking(), std::memory_order_relaxed);
     const std::int64_t now = clock.now();
     next += period_ns_ * std::max<std::int64_t>(1, (now - next) / period_ns_ + 1);  // what was missed is skipped
     clock.sleepUntil(next);

@@ -25,6 +25,7 @@ class DeviceLink {
   void exchange(std::int64_t now, const ForceSample& tool);
 
   DeviceReport report() const { return coupling_.report(); }
+  const DeviceCoupling& coupling() const { return coupling_; }
   /// What went out last.
   const DeviceWrench& wrench() const { return wrench_; }
 
@@ -34,6 +35,14 @@ class DeviceLink {
   DeviceCoupling coupling_;
   DevicePose pose_;
   DeviceWrench wrench_;
+};
+
+/// How a device does, for those beside its thread.
+struct DeviceStatus {
+  bool connected = true;
+  std::int64_t poses = 0, refused = 0;  // that came; messages that were none
+  double period_s = 0;                  // from pose to pose
+  double lacking = 0;                   // as DeviceReport's
 };
 
 /// A device on a thread of its own, at 1 kHz or the loop's rate, whichever is higher. Between it and the loop there are
@@ -60,7 +69,7 @@ class DeviceThread {
   DeviceReport report() const { return link_.report(); }
   std::int64_t refusedCount() const { return backend_->refusedCount(); }
   std::int64_t exchanges() const { return exchanges_.load(std::memory_order_relaxed); }  // any time
-  bool connected() const { return connected_.load(std::memory_order_relaxed); }          // any time
+  DeviceStatus status() const;                                                           // any time
   std::string name() const { return backend_->name(); }
 
  private:
@@ -71,7 +80,8 @@ class DeviceThread {
   const SimulationLoop& loop_;
   const std::int64_t period_ns_;
   std::atomic<bool> quit_{false}, connected_{true};
-  std::atomic<std::int64_t> exchanges_{0};
+  std::atomic<std::int64_t> exchanges_{0}, poses_{0}, refused_{0};
+  std::atomic<double> period_{0}, lacking_{0};
   std::thread thread_;
 };
 

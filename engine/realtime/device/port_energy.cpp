@@ -74,7 +74,10 @@ void PortEnergy::moved(std::int64_t now, std::uint32_t felt, const AlongAndTurni
     felt_ = felt;
     // The thread's own period lies between a force and the next look at poses, and is no delay of the way.
     const double delay = std::max(0.0, secondsOf(now - at(felt).ns) - interval_s_);
-    if (!gap) delay_s_ = std::max(delay, delay_s_ * (1 - kDelayFalls * interval_s_));
+    if (gap) after_gap_ = newest_;
+    const bool of_gap = static_cast<std::int32_t>(felt - after_gap_) <= 0;
+    if (!gap && !(of_gap && delay > delay_s_))
+      delay_s_ = std::max(sustained(delay), delay_s_ * (1 - kDelayFalls * interval_s_));
     assumed_felt_.fill(felt);
     return;
   }
@@ -94,7 +97,23 @@ void PortEnergy::moved(std::int64_t now, std::uint32_t felt, const AlongAndTurni
   delay_s_ = std::max({assumed_s, falls, least->worst < -kShown ? shown : 0});
 }
 
+/// The second longest of this one and those before it.
+double PortEnergy::sustained(double delay) {
+  constexpr int poses = 64;
+  delays_.add(delay);
+  Longest both = delays_before_;
+  both.add(delays_.first);
+  both.add(delays_.second);
+  if (++delay_count_ == poses) delays_before_ = delays_, delays_ = {}, delay_count_ = 0;
+  return both.second;
+}
+
 void PortEnergy::forget() { holdAtMost(0); }
+
+void PortEnergy::beginAnew() {
+  pushed_.fill({});
+  all_.fill({});
+}
 
 void PortEnergy::holdAtMost(double energy) {
   for (auto* accounts : {&pushed_, &all_})

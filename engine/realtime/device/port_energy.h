@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -40,8 +41,10 @@ class PortEnergy {
   /// @param gap       poses were missing: what the motors did meanwhile is not known
   void moved(std::int64_t now, std::uint32_t felt, const AlongAndTurning& way, double interval, bool gap);
 
-  /// In air nothing is stored: what was dissipated is forgotten, what was given is not.
+  /// In air nothing is stored: what was dissipated is forgotten, what was given is not,
   void forget();
+  /// but where no force has been for so long that any bounce has ended.
+  void beginAnew();
   /// The spring holds no more than this, J.
   void holdAtMost(double energy);
   /// Time has passed, s.
@@ -55,7 +58,8 @@ class PortEnergy {
   /// @param push_alone  without torques
   double underway(std::int64_t now, const AlongAndTurning& velocity, bool push_alone) const;
 
-  /// s, there and back, without the device's own period: told and nearly the longest of late, or assumed.
+  /// s, there and back, without the device's own period: told and nearly the longest of late (but for one of 64 poses: a
+  /// program that stood still for a moment has no slow line), or assumed.
   double delay() const { return delay_s_; }
   bool told() const { return told_; }
 
@@ -80,7 +84,20 @@ class PortEnergy {
   std::array<std::uint32_t, kAssumed> assumed_felt_{};
   std::array<Account, kAssumed> pushed_{}, all_{};
   AlongAndTurning behind_;  // m, of the handle: how far the smoothed way is
+  /// The two longest of some delays, s.
+  struct Longest {
+    double first = 0, second = 0;
+    void add(double delay) {
+      second = std::max(second, std::min(first, delay));
+      first = std::max(first, delay);
+    }
+  };
+  double sustained(double delay);
+
   double delay_s_ = 0, interval_s_ = 1e-3;
+  Longest delays_, delays_before_;  // of the last poses, and of the 64 before them
+  int delay_count_ = 0;
+  std::uint32_t after_gap_ = 0;  // newest force when poses came again: older ones tell no delay
   bool told_ = false;
 };
 

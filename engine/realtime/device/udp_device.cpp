@@ -62,7 +62,10 @@ bool UdpDevice::read(std::int64_t now_ns, DevicePose& pose) {
       continue;
     }
     const bool overtaken = !new_peer && static_cast<std::int32_t>(next.sequence - newest_) <= 0;
-    if (overtaken && now_ns - newest_ns_ < kForgottenNs) continue;
+    if (overtaken && now_ns - newest_ns_ < kForgottenNs) {
+      if (next.sequence == newest_) ++refused_;  // a bridge that does not count looks like this
+      continue;
+    }
     peer_port_ = ntohs(from.sin_port);
     newest_ = next.sequence;
     newest_ns_ = now_ns;

@@ -49,6 +49,26 @@ Vec3 vectorOf(const Json& json) {
   return {json.at("x").get<double>(), json.at("y").get<double>(), json.at("z").get<double>()};
 }
 
+/// How the grip is turned, and its buttons. What is no turn (a grip that is off tells zeros) leaves it as it was: the
+/// hand holds on.
+void takeGrip(const Json& state, DevicePose& pose) {
+  if (state.contains("orientation") && state["orientation"].is_object()) {
+    const Json& turn = state["orientation"];
+    const auto part = [&](const char* name) {
+      return turn.contains(name) && turn[name].is_number() ? turn[name].get<double>() : 0.0;
+    };
+    const Quat read(part("w"), part("x"), part("y"), part("z"));
+    if (read.norm() > 0.5 && read.norm() < 2) pose.pose.orientation = read;
+  }
+  pose.buttons = 0;
+  if (!state.contains("buttons") || !state["buttons"].is_object()) return;
+  for (unsigned b = 0; b < 3; ++b) {
+    const std::string name(1, static_cast<char>('a' + b));
+    const Json& buttons = state["buttons"];
+    if (buttons.contains(name) && (buttons[name] == true || buttons[name] == 1)) pose.buttons |= 1U << b;
+  }
+}
+
 }  // namespace
 
 WebsocketDevice::WebsocketDevice(const std::string& address) : address_(parsed(address)) { connect(first_patience_ms); }
@@ -158,14 +178,7 @@ bool WebsocketDevice::takeState(const std::string& text, DevicePose& pose) {
       const Json* grip = first(kind);
       if (grip == nullptr || !grip->contains("state")) continue;
       const Json& turned = grip->at("state");
-      if (turned.contains("orientation")) {
-        next.pose.orientation.vec() = vectorOf(turned["orientation"]);
-        next.pose.orientation.w() = turned["orientation"].at("w").get<double>();
-      }
-      next.buttons = 0;
-      if (turned.contains("buttons"))
-        for (unsigned b = 0; b < 3; ++b)
-          next.buttons |= turned["buttons"].value(std::string(1, static_cast<char>('a' + b)), false) ? 1U << b : 0U;
+      takeGrip(turned, next);
       break;
     }
     ++next.sequence;

@@ -172,6 +172,14 @@ std::string toJson(const RunReport& r) {
   for (const RunReport::Organ& organ : r.organs) {
     json["organs"].push_back({{"name", organ.name}, {"contact_force_N", listed(organ.contact_force_N)}});
   }
+  if (r.device)
+    json["device"] = {{"poses", r.device->poses},
+                      {"silences", r.device->silences},
+                      {"fades", r.device->fades},
+                      {"refused", r.device->refused},
+                      {"lowest_energy_J", r.device->lowest_energy_J},
+                      {"slipped_m", r.device->slipped_m},
+                      {"short_of_force_s", r.device->lacking_s}};
   if (!r.organs.empty()) json["organ_penetration_m"] = r.organ_penetration_m;
   for (const RunReport::Rigid& body : r.rigid) {
     const Json force = listed(body.force_N);

@@ -68,6 +68,11 @@ struct RunReport {
   double largest_yield_m = 0;          // that the tool stayed behind hand or script; 0: it went where it was asked to
   double yielding_seconds = 0;         // for how long
   std::optional<FollowTotals> follow;  // where the cloud follows the tool; else report.json has no "follow"
+  struct Device {
+    std::int64_t poses = 0, silences = 0, fades = 0, refused = 0;
+    double lowest_energy_J = 0, slipped_m = 0, lacking_s = 0;  // as DeviceReport's
+  };
+  std::optional<Device> device;  // that held the tool; else report.json has no "device"
   bool frozen = false;
   double setup_seconds = 0;
   std::string build;

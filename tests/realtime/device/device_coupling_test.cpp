@@ -274,6 +274,76 @@ TEST_CASE("A device that answers late gets the stiffness that its damping and a 
   CHECK(untold.coupling.report().stiffness == Approx(0.02 / (0.0105 * 0.0105)).epsilon(0.03));
 }
 
+TEST_CASE("What the hand got in a gap is forgotten a second after it has lifted off", "[device]") {
+  Hand hand;
+  const auto press = [&] {
+    hand.tool.contact_count = 1;
+    hand.push(Vec3(0, 0, -0.006));
+    return hand.after(100).z();
+  };
+  const auto lift = [&](int calls) {
+    hand.push(Vec3::Zero());
+    hand.tool.contact_count = 0;
+    hand.moveTool(Vec3::Zero());
+    hand.after(calls);
+  };
+  const double first = press();
+  REQUIRE(first > 0.5);
+  // Pulled out by 15 mm while 30 poses are missing.
+  hand.sends = false;
+  hand.after(30);
+  hand.sends = true;
+  hand.pose.pose.position.z() += 0.015;
+  hand.call();
+  CHECK(hand.coupling.report().energy_J < -1e-3);
+  lift(500);
+  CHECK(press() < 0.3 * first);  // at once it is held against the hand
+  lift(1500);
+  CHECK(press() == Approx(first).epsilon(0.05));
+}
+
+TEST_CASE("One pose that tells an old force makes nothing soft, a line that is late does", "[device]") {
+  Hand hand;
+  const Vec3 held = hand.push(Vec3(0, 0, -0.004));
+  hand.after(200);
+  hand.felt_ago = 60;
+  hand.call();
+  hand.felt_ago = 1;
+  CHECK(hand.after(100).z() == Approx(held.z()).epsilon(0.03));
+  CHECK(hand.coupling.report().delay_s < 1e-3);
+  for (int k = 0; k < 100; ++k) {  // every third pose comes late
+    hand.felt_ago = k % 3 == 0 ? 11 : 1;
+    hand.call();
+  }
+  CHECK(hand.coupling.report().delay_s == Approx(0.010).epsilon(0.1));
+}
+
+TEST_CASE("A device that is slow feels what a quick one does, but softer - below 50 Hz nothing", "[device]") {
+  const int period = GENERATE(2, 5, 10, 15, 20, 33);
+  Hand hand;
+  const auto slowly = [&](int calls, const Vec3& way) {
+    for (int k = 1; k <= calls; ++k) {
+      hand.pose.pose.position += way / calls;
+      hand.tool.tool_pose.position += 0.4 * way / calls;
+      hand.sends = k % period == 0;
+      hand.call();
+    }
+    return hand.last.z();
+  };
+  slowly(1200, Vec3::Zero());
+  const std::int64_t at_first = hand.coupling.report().silences;
+  slowly(600, Vec3(0, 0, -0.006));
+  const double held = slowly(600, Vec3::Zero()), later = slowly(2400, Vec3::Zero());
+  CAPTURE(period, hand.coupling.report().stiffness);
+  if (period > 20) {
+    CHECK(later == 0);
+    return;
+  }
+  CHECK(held > 0.05);
+  CHECK(later == Approx(held).epsilon(0.05));
+  CHECK(hand.coupling.report().silences == at_first);
+}
+
 TEST_CASE("A turned handle feels an angular spring with a bound, or the orientation is locked", "[device]") {
   DeviceSettings settings;
   const bool locked = GENERATE(false, true);

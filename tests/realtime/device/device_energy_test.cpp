@@ -106,11 +106,13 @@ Outcome run(const Trial& c) {
   const double depth = c.stiffness > 0 ? std::min(0.15, c.push / c.stiffness) + begins_above : 0;
   double x = 0, v = c.motion == 3 ? -0.3 : 0, work = 0, before = 0, done = 1e9, low = 1, high = -1;
   std::uint32_t sequence = 0;
+  double heard = 0;  // s, the last force
   const int per_tick = static_cast<int>(std::lround(1 / (c.rate_hz * h)));
   for (int k = 0; k * h < seconds; ++k) {
     const double t = k * h, since = std::fmod(t, 0.5);
     const auto gap = [&](int count) { return t >= 1.5 && t < 1.5 + 0.5 * count && since < c.lasting; };
-    wrenches.take(t, motors);
+    if (wrenches.take(t, motors)) heard = t;
+    if (t > heard + 0.02) motors.force.setZero();  // what is asked of a bridge
     double wanted = -begins_above, weight = 0;
     if (c.motion == 0) wanted = -depth * rise(t, 0.1, 0.6), weight = -c.push * rise(t, 0.1, 0.3);
     if (c.motion == 1) wanted = -depth * 0.5 * (1 - std::cos(6.283 * t)), weight = -c.push * std::sin(6.283 * t);

@@ -89,12 +89,14 @@ TEST_CASE("A pose's packet has the documented bytes and is read back", "[device]
   wrench.sequence = 9;
   wrench.answers = 4;
   wrench.force = Vec3(1.5, 0, -2);
-  wrench.touching = true;
+  wrench.touching = wrench.short_of_force = true;
   const DevicePacket force = packetOf(wrench);
   REQUIRE(readPacket(force.data(), force.size(), back));
   CHECK(back.force == wrench.force);
   CHECK(back.answers == 4);
   CHECK(back.touching);
+  CHECK(back.short_of_force);
+  CHECK_FALSE(back.doubted);
   CHECK_FALSE(readPacket(force.data(), force.size(), read));
 }
 
