@@ -10,7 +10,7 @@ namespace palpate {
 ///
 ///   touching:  d = max_s s . n - mean_v X_v . n     s on the tool, n = mean unit normal of the touched skin at rest,
 ///                                                   into the tissue; of the tool there where the tissue has turned
-///   in air:    d = -min_v distance(tool, X_v)       the gap to the skin at rest
+///   in air:    d = -min_v distance(tool, X_v)       the gap to the skin at rest; 0 where that has gone from there
 ///
 /// Means over v are weighted by force and by how near the tool's normals there are to the force: what is under the tip
 /// counts, or under the whole face of a flat tool. d is how far the tool's foremost point stands beyond where

@@ -60,6 +60,8 @@ TEST_CASE("In air the depth is the gap, of any tool in any turn", "[true_depth]"
       CAPTURE(type->name, tilt);
       // A vertex lies within 0.71 mm of the foremost point: over a radius of 2.4 mm that is 0.11 mm at most.
       CHECK(depth.of(at.pose, ContactState{}) == Approx(-0.005).margin(1.2e-4));
+      at.pose.position.z() -= 0.006;  // where the skin was, but is no more: it has sunk
+      CHECK(depth.of(at.pose, ContactState{}) == 0);
     }
 }
 

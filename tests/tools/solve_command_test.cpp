@@ -239,6 +239,33 @@ load_steps = 2
   CHECK(motion.find("tool_pinch_N") < 0);
 }
 
+TEST_CASE("A tool without a script stands in a body's way, and friction does not depend on the load steps",
+          "[solve_command][whole]") {
+  // The base lifts the block by 3 mm, under the tool or beside the same tool that comes down.
+  const std::string raised = replaced(replaced(test::block_text, "[[fixed]]", "[[prescribed]]"), "distance = 1e-6\n",
+                                      "distance = 1e-6\ntranslation = [0, 0, 0.003]\nduration = 1\n") +
+                             "[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0.01, 0, 0.0301]\n";
+  const auto lastForce = [](const std::string& text, const std::string& script = "") {
+    const Folder folder(text);
+    if (!script.empty()) folder.write("press.toml", script);
+    REQUIRE(solve(folder.scene, folder.out(), false, script.empty() ? "" : folder.path("press.toml")) == 0);
+    const CsvTable force = readCsvTable(folder.out("force.csv"));
+    CHECK(force["base_fz_N"].back() == Approx(force["tool_fz_N"].back()).epsilon(0.01));
+    return Vec3(force["tool_fx_N"].back(), force["tool_fy_N"].back(), force["tool_fz_N"].back());
+  };
+  const std::string steps = "[solve]\nload_steps = 3\nend_time = 1\n";
+  const Vec3 standing = lastForce(raised + steps);
+  CHECK(standing.z() > 0.02);
+  const std::string comes = test::block_text +
+                            "[tool]\nshape = \"sphere\"\nradius = 0.01\n"
+                            "position = [0.01, 0, 0.0301]\nfriction = 0.3\n";
+  const std::string script = "from_touch = false\n[[keyframe]]\ntime = 1\nadvance = 0.003\n";
+  const Vec3 by_three = lastForce(comes + steps, script),
+             by_one = lastForce(comes + replaced(steps, "load_steps = 3", "load_steps = 1"), script);
+  CHECK((standing - by_three).norm() < 0.1 * standing.norm());  // but for friction
+  CHECK((by_one - by_three).norm() < 0.02 * by_three.norm());
+}
+
 TEST_CASE("A transient solution has a row a tick", "[solve_command]") {
   std::string text = replaced(block_scene, "[solve]\ntolerance = 1e-5\nload_steps = 4\n",
                               "[dynamics]\nrate = 500\n[solve]\nmode = \"transient\"\n");
