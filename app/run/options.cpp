@@ -258,7 +258,7 @@ std::string deviceProblem(const Options& o) {
   if (o.device.empty()) return "";
   try {
     checkDevice(o.device);
-  } catch (const InputError& error) {
+  } catch (const std::exception& error) {
     return std::string("--device: ") + error.what();
   }
   if (!o.tool_script.empty() || !o.replay.empty() || o.soak_minutes || o.trainee)

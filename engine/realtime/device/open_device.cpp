@@ -28,8 +28,13 @@ int classOf(const DeviceSettings& settings) {
 }  // namespace
 
 void checkDevice(const std::string& device) {
-  if (device == "simulated" || device.starts_with("ws://") || udpPort(device) >= 0) return;
-  throw InputError({}, inQuotes(device) + " is no device", "choose simulated, udp, udp:PORT or ws://localhost:PORT");
+  if (device == "simulated") return;
+  if (device.starts_with("ws://"))
+    websocketAddress(device);
+  else if (const int port = udpPort(device); port >= 0)
+    UdpDevice{port};
+  else
+    throw InputError({}, inQuotes(device) + " is no device", "choose simulated, udp, udp:PORT or ws://localhost:PORT");
 }
 
 std::unique_ptr<DeviceBackend> openDevice(const std::string& device, const Model& model) {

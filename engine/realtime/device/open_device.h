@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-/// What --device asks for: "simulated", "udp", "udp:7711" or "ws://localhost:10001". Throws InputError for another.
+/// What --device asks for: "simulated", "udp", "udp:7711" or "ws://localhost:10001". Throws InputError for another,
+/// std::runtime_error where the port is taken: before a scene is made ready for it.
 void checkDevice(const std::string& device);
 
 /// The device that it names. The simulated one is of the scene's class, in a hand that presses, rests and slides.

@@ -25,26 +25,6 @@ using Json = nlohmann::json;
 /// longer. No hand notices a try each second, and no service is burdened.
 constexpr std::int64_t first_patience_ms = 2000, patience_ms = 200, try_again_ns = 1'000'000'000;
 
-WebsocketAddress parsed(const std::string& text) {
-  const auto wrong = [&] {
-    return InputError({}, inQuotes(text) + " is no WebSocket of this machine", "write ws://127.0.0.1:PORT[/PATH]");
-  };
-  if (!text.starts_with("ws://")) throw wrong();
-  const std::size_t slash = text.find('/', 5), colon = text.find(':', 5);
-  WebsocketAddress address{.text = text};
-  address.path = slash == std::string::npos ? "/" : text.substr(slash);
-  if (colon == std::string::npos || colon > slash) throw wrong();
-  address.host = text.substr(5, colon - 5);
-  const std::string port = text.substr(colon + 1, slash == std::string::npos ? slash : slash - colon - 1);
-  if (port.empty() || port.size() > 5 || port.find_first_not_of("0123456789") != std::string::npos) throw wrong();
-  address.port = std::stoi(port);
-  // A force on a hand does not go through a network.
-  if (address.port < 1 || address.port > 65535 || (address.host != "localhost" && address.host != "127.0.0.1"))
-    throw wrong();
-  if (std::any_of(address.path.begin(), address.path.end(), [](char c) { return c <= ' ' || c > '~'; })) throw wrong();
-  return address;
-}
-
 Vec3 vectorOf(const Json& json) {
   return {json.at("x").get<double>(), json.at("y").get<double>(), json.at("z").get<double>()};
 }
@@ -71,7 +51,29 @@ void takeGrip(const Json& state, DevicePose& pose) {
 
 }  // namespace
 
-WebsocketDevice::WebsocketDevice(const std::string& address) : address_(parsed(address)) { connect(first_patience_ms); }
+WebsocketAddress websocketAddress(const std::string& text) {
+  const auto wrong = [&] {
+    return InputError({}, inQuotes(text) + " is no WebSocket of this machine", "write ws://127.0.0.1:PORT[/PATH]");
+  };
+  if (!text.starts_with("ws://")) throw wrong();
+  const std::size_t slash = text.find('/', 5), colon = text.find(':', 5);
+  WebsocketAddress address{.text = text};
+  address.path = slash == std::string::npos ? "/" : text.substr(slash);
+  if (colon == std::string::npos || colon > slash) throw wrong();
+  address.host = text.substr(5, colon - 5);
+  const std::string port = text.substr(colon + 1, slash == std::string::npos ? slash : slash - colon - 1);
+  if (port.empty() || port.size() > 5 || port.find_first_not_of("0123456789") != std::string::npos) throw wrong();
+  address.port = std::stoi(port);
+  // A force on a hand does not go through a network.
+  if (address.port < 1 || address.port > 65535 || (address.host != "localhost" && address.host != "127.0.0.1"))
+    throw wrong();
+  if (std::any_of(address.path.begin(), address.path.end(), [](char c) { return c <= ' ' || c > '~'; })) throw wrong();
+  return address;
+}
+
+WebsocketDevice::WebsocketDevice(const std::string& address) : address_(websocketAddress(address)) {
+  connect(first_patience_ms);
+}
 
 /// Throws std::runtime_error where nobody answers.
 void WebsocketDevice::connect(std::int64_t wait_ms) {

@@ -14,6 +14,9 @@ struct WebsocketAddress {
   int port = 0;
 };
 
+/// Of "ws://127.0.0.1:10001/path". Throws InputError where it is none of this machine.
+WebsocketAddress websocketAddress(const std::string& text);
+
 /// A vendor's service on this machine that tells states and takes forces as JSON over a WebSocket, so that no SDK is
 /// needed. The messages are those of Haply's Inverse Service, version 3.1, as its public examples have them:
 ///
