@@ -300,7 +300,10 @@ int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, c
     checkMatter(wanted);
     if (const double excess = simulation->physics.excessOf(material, wanted); excess > 0)
       throw Refusal(PALPATE_REFUSED, "the material is " + std::to_string(excess) +
-                                         " times too stiff for the time step; load a scene that has it");
+                                         " times too stiff for the time step: of a modulus at most 1 / " +
+                                         std::to_string(excess) +
+                                         " of it, or load a scene that has it (a smaller dynamics.step_safety leaves "
+                                         "more room)");
     const std::int32_t code = send(*simulation, Request::setMaterial(material, wanted));
     if (code == PALPATE_OK) present = wanted;
     return code;

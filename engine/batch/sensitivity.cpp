@@ -45,14 +45,16 @@ double largestOf(const NodeField& a) {
 void checkScene(const Model& model) {
   const Scene& scene = model.scene;
   const char* const problem =
-      model.tools.several() ? "sensitivities are those of one tool without jaws, and the scene has more"
+      model.tools.several() ? "equilibria with sensitivities are those of one tool without jaws, and the scene has more"
       : scene.tools[0].friction != 0
-          ? "sensitivities are those of a tool without friction: with it, forces depend on the way"
-      : model.bodies.several() ? "sensitivities are those of one body, and the scene has several, which touch"
-      : !model.rigid.empty()   ? "sensitivities are those of a body without rigid ones, whose contact comes and goes"
-      : !scene.loads.empty()   ? "sensitivities are those of a body without loads on its skin"
+          ? "equilibria with sensitivities are those of a tool without friction: with it, forces depend on the way"
+      : model.bodies.several()
+          ? "equilibria with sensitivities are those of one body, and the scene has several, which touch"
+      : !model.rigid.empty()
+          ? "equilibria with sensitivities are those of a body without rigid ones, whose contact comes and goes"
+      : !scene.loads.empty() ? "equilibria with sensitivities are those of a body without loads on its skin"
       : scene.discretization.boundary_method == DiscretizationSpec::BoundaryMethod::Ebciem
-          ? "sensitivities are those of the symmetric boundary method"
+          ? "equilibria with sensitivities are those of the symmetric boundary method"
           : nullptr;
   if (problem == nullptr) return;
   throw InputError(scene.place, problem,
@@ -434,7 +436,8 @@ std::vector<double> EquilibriumSensitivity::derivatives(const EquilibriumQuantit
   using Kind = EquilibriumQuantity::Kind;
   for (const MaterialNumber& number : numbers) check(number);
   if (q.kind == Kind::RegionForce && q.region >= BoundaryShifts::max_count)
-    throw InputError(scene_.place, "sensitivities are those of the first sixteen regions", "put others before");
+    throw InputError(scene_.place, "equilibria with sensitivities are those of the first sixteen regions",
+                     "put others before");
   Field lift(u_.size()), r(u_.size()), product(u_.size());  // Phi lift = -dq/dt; r = dq/du
   if (q.kind == Kind::RegionForce) body_.moveRegion(q.region, -q.direction, lift);
   for (const auto& [node, N] : q.row)

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t magic = 0x31657461706c6170;  // "palpate1" as bytes
-constexpr std::uint64_t version = 7;                 // of the layout below
+constexpr std::uint64_t version = 8;                 // of the layout below
 constexpr std::size_t block_bytes = 1 << 20;
 
 /// A word-wise mix: each step is a bijection of the state, so one changed word always changes the result.
@@ -80,8 +80,9 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.cloud.X);
   visit(p.cloud.on_surface);
   visit(p.cloud.coarsest);
+  visit(p.missed_shares);
 }
-constexpr std::size_t array_count = 38;
+constexpr std::size_t array_count = 39;
 
 struct Header {
   std::uint64_t magic_word = magic, layout = version;

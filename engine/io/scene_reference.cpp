@@ -45,7 +45,7 @@ constexpr Section sections[] = {
      "be one of many."},
     {"load", "`[[load]]`",
      "A pressure or traction on the skin, and how it comes over time. It acts in the loop and in `mtled solve`, whose "
-     "`force.csv` has each load's force on the tissue. Sensitivities (`mtled identify`) refuse it."},
+     "`force.csv` has each load's force on the tissue. Sensitivities (`mtled identify --regions`) refuse it."},
     {"skull", "`[skull]`",
      "Short for a `[[rigid]]` surface that encloses the organ (`side = \"inside\"`), whose skin slides along it "
      "without "

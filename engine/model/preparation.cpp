@@ -101,6 +101,20 @@ double Preparation::addedMass() const {
   return std::accumulate(mass.begin(), mass.end(), 0.0) / std::accumulate(own_mass.begin(), own_mass.end(), 0.0) - 1;
 }
 
+double layerError(const Preparation& preparation, std::span<const Material> materials) {
+  const std::vector<MissedShare>& shares = preparation.missed_shares;
+  if (shares.empty()) return preparation.layer_error;
+  double largest = 0, sum = 0;
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    const auto [softer, stiffer] = std::minmax(materials[static_cast<std::size_t>(shares[k].material)].shear_modulus,
+                                               materials[static_cast<std::size_t>(shares[k].other)].shear_modulus);
+    const bool begins = k == 0 || shares[k].body != shares[k - 1].body || shares[k].material != shares[k - 1].material;
+    sum = (begins ? 0 : sum) + 0.5 * shares[k].share * (1 - softer / stiffer);
+    largest = std::max(largest, sum);
+  }
+  return largest;
+}
+
 ShapeTable vertexShape(const ShapeTable& node_shape, const std::vector<int>& side_node) {
   ShapeTable shape = node_shape;
   for (const int i : side_node) {
@@ -134,6 +148,11 @@ bool isSound(const Preparation& p, std::size_t material_count, std::size_t bound
          allWithin(p.skin.surface.triangles, vertices) && isEssential(p.essential, nodes, boundary_count) &&
          within(p.limit.worst_node, nodes) && p.thin_layer >= -1 && p.thin_layer < static_cast<int>(material_count) &&
          std::isfinite(p.layer_error) &&
+         std::all_of(p.missed_shares.begin(), p.missed_shares.end(),
+                     [&](const MissedShare& s) {
+                       return within(s.material, material_count) && within(s.other, material_count) &&
+                              std::isfinite(s.share);
+                     }) &&
          allPositive({p.limit.dt, p.limit.dt_proven, p.surface_volume, p.cell_volume}) &&
          p.cloud.on_surface.size() == p.cloud.X.size() && p.cloud.coarsest.size() == p.cloud.X.size() &&
          allFinite(p.cloud.X) && std::isfinite(p.pair_moment) &&

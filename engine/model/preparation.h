@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,9 +11,16 @@
 #include "discretization/nodes/nested_cloud.h"
 #include "mechanics/critical_time_step.h"
 #include "mechanics/essential_nodes.h"
+#include "mechanics/materials/material.h"
 #include "scene/scene.h"
 
 namespace palpate {
+
+/// Of the volume of a material, where the cells see little of that: what they take for another.
+struct MissedShare {
+  int body = 0, material = 0, other = 0, unused = 0;  // indices into the scene's materials
+  double share = 0;
+};
 
 /// The part of a Model that takes long to make, and follows from the organ, the discretization, the materials and the
 /// boundaries alone: what a cache keeps. buildModel adds the rest in a moment.
@@ -41,9 +49,11 @@ struct Preparation {
   // Bodies that are not joined to one another stand one after another (join_bodies.h).
   std::vector<int> end_node, end_point;  // (body_count)
 
-  // Of the cells' materials (thin_layers.h): one of which they see little, and the error that forces have for it.
+  // Of the cells' materials (thin_layers.h): one of which they see little, the error that forces have for it, and what it
+  // follows from. With other materials than those loaded: layerError().
   int thin_layer = -1;  // index into the scene's materials; -1: none
   double layer_error = 0;
+  std::vector<MissedShare> missed_shares;  // by body and material
 
   // Computed by shapeFunctions (MMLS).
   ShapeTable point_shape;  // N, gradN at the integration points
@@ -78,6 +88,11 @@ std::vector<T> verticesOf(std::vector<T> of_nodes, const std::vector<int>& side_
 
 /// N at the vertices of volume_cells: with the nodes' rows those of a border's further sides, which go with their node.
 ShapeTable vertexShape(const ShapeTable& node_shape, const std::vector<int>& side_node);
+
+/// Preparation::layer_error with these materials: where cells miss much of a layer it counts as far as that is softer or
+/// stiffer than what they take it for. Of mixed tissue as loaded.
+/// Real-time: no allocation, no lock, no throw.
+double layerError(const Preparation& preparation, std::span<const Material> materials);
 
 /// Whether all sizes agree, all indices are in range, and all numbers are finite (masses, radii and the step
 /// positive): what the rest of the set-up relies on, and what a file that was kept must be held to.

@@ -127,6 +127,8 @@ void append(Preparation&& more, Preparation& all) {
     all.layer_error = more.layer_error;
     all.thin_layer = more.thin_layer;
   }
+  for (MissedShare& missed : more.missed_shares) missed.body += all.bodyCount();
+  append(std::move(more.missed_shares), all.missed_shares);
   all.surface_volume += more.surface_volume;
   all.cell_volume += more.cell_volume;
   append(std::move(more.point_shape), nodes, all.point_shape);

@@ -180,6 +180,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   const ThinLayer layer = thinnestLayer(scene, tree, cloud.X, cells.cells, cell_material);
   p.thin_layer = layer.material;
   p.layer_error = layer.error;
+  p.missed_shares = layer.missed;
   auto points =
       choosePoints(scene, cloud.X, cells, cell_material, radius, common != nullptr ? &common->pair_moment : nullptr);
 

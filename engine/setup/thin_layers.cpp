@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "imaging/membership.h"
 #include "scene/scene_regions.h"
@@ -35,7 +36,7 @@ double sizeOf(const std::vector<Vec3>& X, const std::array<int, 4>& cell) {
 class Shares {
  public:
   Shares(const Scene& scene, const SurfaceTree& organ, const std::vector<Vec3>& X)
-      : scene_(scene), organ_(organ), X_(X), volume(scene.materials.size()), missed(volume), unlike(volume) {}
+      : scene_(scene), organ_(organ), X_(X), volume(scene.materials.size()), taken(volume.size(), volume) {}
 
   /// By the materials at places in a cell that is taken for `own`.
   void sample(const std::array<int, 4>& cell, std::size_t own) {
@@ -45,11 +46,7 @@ class Shares {
       const Vec3 x = share[0] * X_[i] + share[1] * X_[j] + share[2] * X_[k] + share[3] * X_[l];
       const auto there = static_cast<std::size_t>(materialAt(scene_, x, organ_));
       volume[there] += part;
-      if (there == own) continue;
-      const auto [softer, stiffer] =
-          std::minmax(scene_.materials[there].material.shear_modulus, scene_.materials[own].material.shear_modulus);
-      missed[there] += part;
-      unlike[there] += part * (1 - softer / stiffer);
+      if (there != own) taken[there][own] += part;
     }
   }
 
@@ -59,7 +56,8 @@ class Shares {
   const std::vector<Vec3>& X_;
 
  public:
-  std::vector<double> volume, missed, unlike;  // (material_count) m^3; the last weighted by how unlike they are
+  std::vector<double> volume;              // (material_count) m^3
+  std::vector<std::vector<double>> taken;  // (material_count, material_count) m^3 of the first, for the second
 };
 
 ThinLayer mixedLayer(const Scene& scene, int mixed, const std::vector<Vec3>& X,
@@ -120,12 +118,19 @@ ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std:
       shares.sample(cells[c], own);
   }
   ThinLayer worst;
+  Preparation known;
   for (std::size_t m = 0; m < count; ++m) {
     const double volume = shares.volume[m];
-    if (volume < least_share * whole) continue;
-    if (shares.missed[m] > seen * volume && shares.unlike[m] > 2 * worst.error * volume)
-      worst = {static_cast<int>(m), shares.unlike[m] / (2 * volume)};
+    const std::vector<double>& taken = shares.taken[m];
+    if (volume < least_share * whole || !(std::accumulate(taken.begin(), taken.end(), 0.0) > seen * volume)) continue;
+    for (std::size_t o = 0; o < count; ++o)
+      if (taken[o] > 0)
+        known.missed_shares.push_back({0, static_cast<int>(m), static_cast<int>(o), 0, taken[o] / volume});
+    const double before = worst.error;
+    worst.error = layerError(known, materialsOf(scene));
+    if (worst.error > before) worst.material = static_cast<int>(m);
   }
+  worst.missed = std::move(known.missed_shares);
   return worst;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "discretization/surface/surface_tree.h"
+#include "model/preparation.h"
 #include "scene/scene.h"
 
 namespace palpate {
@@ -19,6 +20,7 @@ struct ThinLayer {
   // To expect of forces: half of the share of its volume that cells have for other materials, as far as these are as
   // stiff (1 - softer / stiffer shear modulus); of a membership as below.
   double error = 0;
+  std::vector<MissedShare> missed = {};  // that this follows from, of all materials; of a membership none
 };
 
 /// The worst one. Cells see 97 % or more of lumps and borders that nodes are put on, 84 % of a ball of 1.5 spacings

@@ -309,7 +309,7 @@ double expectedError(const Model& model, std::span<const Material> materials, co
     for (std::size_t k = 0; k < 4; ++k) at_nodes[k] = fit[static_cast<std::size_t>(groups.of_point[q][k])];
     errors.add(model, q, materials[static_cast<std::size_t>(model.point_material[q])], at[q], at_nodes);
   }
-  double largest = model.layer_error;
+  double largest = layerError(model, materials);
   for (std::size_t k = 0; k < std::max<std::size_t>(found.size(), 1); ++k)
     largest = std::max(largest, errors.error(k, strain_energy, before));
   for (std::size_t k = 0; k < found.size(); ++k) {

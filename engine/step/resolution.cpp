@@ -202,7 +202,7 @@ void ResolutionWatch::tell(const Model& model, const State& state, const PressLi
       const double narrow = localShare(press.by) * narrowError(model, state.live.kernel.materials[m], press);
       if (narrow > known.error) known = {narrow, press.force};
     }
-    known.error = std::max(known.error, model.layer_error);
+    known.error = std::max(known.error, layerError(model, state.live.kernel.materials));
     if (press.isTool()) {
       const double rim = rimForce(model, state, static_cast<int>(press.tool()));
       addForce(rim / std::max(press.force, known.force), rim, known.error, known.force);
@@ -217,7 +217,7 @@ void ResolutionWatch::tell(const Model& model, const State& state, const PressLi
     worst = known_[max_pressers];
     for (std::size_t p = 0; p < max_pressers; ++p)
       if (known_[p].error > worst.error) worst = known_[p], report.error_by = static_cast<int>(p);
-    worst.error = worst.force > 0 ? std::max(worst.error, model.layer_error) : 1;
+    worst.error = worst.force > 0 ? std::max(worst.error, layerError(model, state.live.kernel.materials)) : 1;
   }
   report.expected_error = worst.error;
   report.error_force = worst.force;

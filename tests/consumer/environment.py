@@ -43,6 +43,8 @@ refused(ValueError, lambda: palpate.Environment(model, render_mode="human"), "rg
 for ticks in (0, -3):
     refused(ValueError, lambda: palpate.Environment(model, ticks=ticks), f"ticks is {ticks}")
 refused(TypeError, lambda: palpate.Environment(model, ticks=1.5), "float")
+refused(TypeError, lambda: palpate.Environment(model, tick=5), "tick")
+refused(TypeError, lambda: palpate.VectorEnv(model, 2, rate_hz=1000), "rate_hz")
 for seconds in (0, -1, np.nan):
     refused(ValueError, lambda: palpate.Environment(model, seconds=seconds), f"seconds is {seconds}")
 refused(ValueError, lambda: palpate.Environment(model, scatter=np.nan), "scatter is nan")

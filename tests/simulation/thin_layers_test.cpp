@@ -48,6 +48,33 @@ TEST_CASE("A layer that the cells see little of is told by name, and doubted", "
   CHECK(doubtOf(model, report) == Doubt::Resolution);
 }
 
+TEST_CASE("Materials that are set live make a layer of what was none, or none of it", "[simulation][resolution]") {
+  for (const bool becomes : {true, false}) {
+    const Model model = test::blockModel(layered(0.002, becomes ? 3000 : 100, 0.012));
+    State state = initialState(model);
+    Material other = model.materials[becomes ? 1 : 0];
+    other.set("young", 100);
+    other.updateModuli();
+    setMaterial(model, becomes ? 1 : 0, other, state.live);
+    CAPTURE(becomes, model.layer_error);
+    const double error = layerError(model, state.live.kernel.materials);
+    CHECK((error > 0.1) == becomes);
+    CHECK((model.layer_error > 0.1) == !becomes);
+    CHECK(layerError(model, model.materials) == model.layer_error);
+    if (!becomes) continue;
+    const Model loaded = test::blockModel(layered(0.002, 100, 0.012));
+    CHECK(error == Approx(loaded.layer_error).epsilon(1e-6));
+    Workspace workspace(model, 1);
+    Command command = restCommand(model);
+    StepReport report;
+    for (int k = 1; k <= 300; ++k) {
+      command.tools[0].pose = test::toolAt(model, 0.002 + 0.004 * std::min(1.0, k / 100.0));
+      report = tick(model, state, command, workspace);
+    }
+    CHECK(report.expected_error >= error);
+  }
+}
+
 TEST_CASE("Layers that nodes resolve, and those that hardly differ, are no error", "[simulation][resolution]") {
   for (const Scene& scene : {layered(0.015, 100, 0.012), layered(0.003, 100, 0.003), layered(0.002, 2900, 0.012)}) {
     const Model model = test::blockModel(scene);

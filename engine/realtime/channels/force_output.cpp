@@ -19,6 +19,9 @@ ForceReading readForce(const ForceSample& sample, std::int64_t now, double rate_
 
 namespace {
 
+using RigidForces = decltype(ForceSample::rigid_force);
+using RigidWords = std::array<std::uint64_t, sizeof(RigidForces) / sizeof(std::uint64_t)>;
+
 /// The words of a sample one after another.
 struct Packer {
   std::uint64_t* word;
@@ -26,6 +29,9 @@ struct Packer {
   void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
   void add(const Vec3& value) {
     for (const double component : value) add(component);
+  }
+  void add(const RigidWords& words) {
+    for (const std::uint64_t value : words) add(value);
   }
 };
 
@@ -37,12 +43,17 @@ struct Unpacker {
     const double x = real(), y = real(), z = real();
     return {x, y, z};
   }
+  RigidForces rigid() {
+    RigidWords words;
+    for (std::uint64_t& value : words) value = whole();
+    return std::bit_cast<RigidForces>(words);
+  }
 };
 
 }  // namespace
 
 void ForceOutput::publish(const ForceSample& s) {
-  LatestWords<36>::Words words{};
+  LatestWords<48>::Words words{};
   Packer packer{words.data()};
   packer.add(std::bit_cast<std::uint64_t>(s.tick));
   packer.add(std::bit_cast<std::uint64_t>(s.wall_ns));
@@ -67,11 +78,12 @@ void ForceOutput::publish(const ForceSample& s) {
   packer.add(static_cast<std::uint64_t>(s.frozen));
   packer.add(static_cast<std::uint64_t>(s.node_count));
   packer.add(static_cast<std::uint64_t>(s.place_late));
+  packer.add(std::bit_cast<RigidWords>(s.rigid_force));
   words_.publish(words);
 }
 
 ForceSample ForceOutput::latest() const {
-  const LatestWords<36>::Words words = words_.latest();
+  const LatestWords<48>::Words words = words_.latest();
   Unpacker unpacker{words.data()};
   ForceSample s;
   s.tick = std::bit_cast<std::int64_t>(unpacker.whole());
@@ -97,6 +109,7 @@ ForceSample ForceOutput::latest() const {
   s.frozen = unpacker.whole() != 0;
   s.node_count = static_cast<int>(unpacker.whole());
   s.place_late = unpacker.whole() != 0;
+  s.rigid_force = unpacker.rigid();
   return s;
 }
 

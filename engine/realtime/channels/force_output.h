@@ -36,7 +36,7 @@ class ForceOutput {
   ForceSample latest() const;
 
  private:
-  LatestWords<36> words_;
+  LatestWords<48> words_;
 };
 
 }  // namespace palpate

@@ -37,6 +37,8 @@ ForceSample marked(std::int64_t tick) {
   sample.frozen = tick % 2 == 1;
   sample.node_count = static_cast<int>(tick % 5000);
   sample.place_late = tick % 3 == 1;
+  for (std::size_t b = 0; b < sample.rigid_force.size(); ++b)
+    sample.rigid_force[b] = {static_cast<float>(tick), static_cast<float>(b), static_cast<float>(tick % 7)};
   sample.expected_error = 27 * t;
   sample.error_force = 28 * t;
   sample.error_by = static_cast<int>(tick % 10) - 1;
@@ -52,7 +54,7 @@ bool isMarked(const ForceSample& s) {
          s.contact_normal == whole.contact_normal && s.stiffness == whole.stiffness && s.work_J == whole.work_J &&
          s.pose_sequence == whole.pose_sequence && s.loss_count == whole.loss_count &&
          s.contact_count == whole.contact_count && s.frozen == whole.frozen && s.node_count == whole.node_count &&
-         s.place_late == whole.place_late && s.expected_error == whole.expected_error &&
+         s.place_late == whole.place_late && s.rigid_force == whole.rigid_force && s.expected_error == whole.expected_error &&
          s.error_force == whole.error_force && s.error_by == whole.error_by;
 }
 

@@ -45,8 +45,8 @@ std::vector<double> times(const Model& model, const ToolTrajectory& way) {
 }
 
 void printRows(const Certificate& certificate, bool by_time) {
-  std::printf(by_time ? "  to the time of  largest force   its error   not known\n"
-                      : "  to a depth of   largest force   its error   not known\n");
+  std::printf(by_time ? "  to the time of  largest force   rms error   not known\n"
+                      : "  to a depth of   largest force   rms error   not known\n");
   for (const Certificate::Row& r : certificate.row)
     std::printf("%13.2f %s %13.4f N %10.2f %% %10.2f %%\n", by_time ? r.advance : 1e3 * r.advance,
                 by_time ? "s " : "mm", r.force, 100 * r.error, 100 * r.uncertainty);

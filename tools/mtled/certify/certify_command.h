@@ -21,6 +21,7 @@ struct CertifyOptions {
 ///
 ///   F* = F_f + (F_f - F_c) / (r^2 - 1),   error = F - F*,   uncertainty = |F_f - F_c| / (r^2 - 1)
 ///
+/// each a root mean square over all ticks down to a depth, as a share of the largest force down to there,
 /// with r the ratio of the two finer spacings: Richardson's extrapolation of what converges with their square
 /// (Roache 1998). Where not even the finest sees all of a thin layer, the uncertainty is no less than that makes it
 /// (thin_layers.h), and certify says so. A scene of several tools or jaws has no certificate, as its force depends on

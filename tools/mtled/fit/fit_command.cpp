@@ -207,21 +207,29 @@ ConvergedRun referenceRun(const FitOptions& options, const FitOrder& order, cons
   return converged;
 }
 
-/// In the real-time loop, where the rest of the machine has its say: coarser until it holds.
-/// @param chosen  where to begin; becomes what holds
+/// In the real-time loop, where the rest of the machine has its say: of those that are left the most exact, until one
+/// holds. One that does not leaves a coarser one of its family.
+/// @param chosen  receives what was tried last
 HeldRate heldInTheLoop(FitTask& task, const std::vector<FitFamily>& families, const ConvergedRun& converged,
-                       const Fineness& fineness, FitCandidate& chosen, ProgressLine& progress) {
+                       const Fineness& fineness, std::vector<FitCandidate> left, FitCandidate& chosen,
+                       ProgressLine& progress) {
   HeldRate held;
-  for (int attempt = 0; attempt < max_checks && !interrupted(); ++attempt) {
+  for (int attempt = 0; attempt < max_checks && !left.empty() && !interrupted(); ++attempt) {
     progress.show(0.9 + 0.02 * attempt, "in the real-time loop");
+    const auto best = std::min_element(left.begin(), left.end(), [](const FitCandidate& a, const FitCandidate& b) {
+      return a.expected_error < b.expected_error;
+    });
+    chosen = std::move(*best);
+    left.erase(best);
     held = checkRate(chosen.scene, task.way, task.threads, check_seconds);
     if (held.held(task.scene.dynamics.rate_hz)) break;
     const auto family =
         std::find_if(families.begin(), families.end(), [&](const FitFamily& f) { return f.name == chosen.family; });
-    chosen = tried(task, *family, 1.06 * chosen.spacing_factor);
-    if (chosen.nodes == 0 || chosen.run.interrupted) break;
-    chosen.error = errorOf(chosen.run, converged.run);
-    chosen.expected_error = expectedError(chosen.error, converged, fineness.coarser);
+    FitCandidate coarser = tried(task, *family, 1.06 * chosen.spacing_factor);
+    if (coarser.nodes == 0 || coarser.run.interrupted) continue;
+    coarser.error = errorOf(coarser.run, converged.run);
+    coarser.expected_error = expectedError(coarser.error, converged, fineness.coarser);
+    left.push_back(std::move(coarser));
   }
   return held;
 }
@@ -257,8 +265,9 @@ void printFitted(const Fitted& f) {
         1e3 * f.chosen.scene.discretization.refine.front().radius, 1e3 * f.chosen.scene.discretization.spacing);
   for (const auto& c : f.candidates)
     std::printf("  %s %s, spacing x %.3g: %d nodes, %.2f %% expected\n",
-                c.family == f.chosen.family ? "chosen               " : "also                 ", c.family.c_str(),
-                c.spacing_factor, c.nodes, 100 * c.expected_error);
+                c.family == f.chosen.family && c.spacing_factor == f.chosen.spacing_factor ? "chosen               "
+                                                                                           : "also                 ",
+                c.family.c_str(), c.spacing_factor, c.nodes, 100 * c.expected_error);
   std::printf("  scene                  %s\n", f.order.out.c_str());
 }
 
@@ -316,10 +325,8 @@ int fit(const FitOptions& options) {
     c.error = errorOf(c.run, converged.run);
     c.expected_error = expectedError(c.error, converged, fineness.coarser);
   }
-  FitCandidate chosen = *std::min_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.expected_error < b.expected_error;
-  });
-  const HeldRate held = heldInTheLoop(task, families, converged, fineness, chosen, progress);
+  FitCandidate chosen;
+  const HeldRate held = heldInTheLoop(task, families, converged, fineness, candidates, chosen, progress);
   stopIfInterrupted();
   if (!held.held(scene.dynamics.rate_hz)) {
     std::cerr << "mtled: " << scene.dynamics.rate_hz << " Hz are not held in the real-time loop: " << held.overruns

@@ -117,6 +117,13 @@ def _poses(actions, fallback):
     return poses
 
 
+def _refuse(options):
+    """Of a Model that was loaded before nothing can be set any more."""
+    if options:
+        raise TypeError(f"{', '.join(sorted(options))}: no argument of an environment of a Model that is loaded; "
+                        "those of Model are given where it is")
+
+
 class Environment(Env):
     """One simulation.
 
@@ -146,6 +153,8 @@ class Environment(Env):
             raise ValueError(f"seconds is {seconds}; an episode lasts longer than 0 s")
         if not 0 <= scatter < np.inf:
             raise ValueError(f"scatter is {scatter} m; give 0 or more")
+        if isinstance(scene, Model):
+            _refuse(model_options)
         self.model = scene if isinstance(scene, Model) else Model(scene, **model_options)
         self.simulation = Simulation(self.model)
         self.ticks, self.seconds, self.scatter = ticks, seconds, scatter
@@ -216,6 +225,8 @@ class VectorEnv(_VectorEnv):
             raise ValueError(f"num_envs is {num_envs}")
         of_model = {name: options.pop(name) for name in ("rate_hz", "cache", "set", "text", "folder", "name")
                     if name in options}
+        if isinstance(scene, Model):
+            _refuse(of_model)
         model = scene if isinstance(scene, Model) else Model(scene, threads=1, **of_model)
         self.envs = [environment(model, **options) for _ in range(num_envs)]
         first = self.envs[0]
