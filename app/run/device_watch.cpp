@@ -12,6 +12,7 @@ void DeviceWatch::update(const DeviceStatus& status, double seconds) {
   if (status.connected != there_) {
     there_ = status.connected;
     if (there_) {
+      last_pose_ = seconds;
       tell_(false, name_ + " is back");
     } else {
       ++losses_;
@@ -28,11 +29,11 @@ void DeviceWatch::watchPoses(const DeviceStatus& status, double seconds) {
   if (status.refused > 0 && !refused_told_) {
     refused_told_ = true;
     tell_(true,
-          "a message came that is no pose, or an old one: wrong letters, size or numbers, or a sequence that does "
-          "not count up");
+          "a message came that is no new pose: other letters, size or numbers, or a sequence that does not count up");
   }
   if (status.poses != poses_) {
-    if (poses_ == 0) first_pose_ = seconds, tell_(false, "its handle has the tool");
+    if (poses_ == 0) tell_(false, "its handle has the tool");
+    if (first_pose_ < 0) first_pose_ = seconds, counted_from_ = status.poses;
     if (silence_told_ && poses_ > 0) tell_(false, "poses come again");
     silence_told_ = false;
     poses_ = status.poses;
@@ -51,11 +52,16 @@ void DeviceWatch::watchPoses(const DeviceStatus& status, double seconds) {
 }
 
 void DeviceWatch::watchRate(const DeviceStatus& status, double seconds) {
-  constexpr double looks_after = 2, well = 400;  // s, Hz
+  constexpr double looks_after = 2;  // s
+  constexpr double well = 400;       // Hz: nearly as stiff as with 1000 where own_damping allows it
   if (rate_told_ || first_pose_ < 0 || seconds < first_pose_ + looks_after) return;
+  if (seconds > last_pose_ + 0.1) {  // it has stopped: look again when poses come
+    first_pose_ = -1;
+    return;
+  }
   rate_told_ = true;
   // The coupling's own period knows none of devices that are too slow.
-  const double rate = static_cast<double>(status.poses) / (seconds - first_pose_);
+  const double rate = static_cast<double>(status.poses - counted_from_) / (seconds - first_pose_);
   const double least = 1 / DeviceCoupling::slowest_period;
   if (rate < 0.95 * least)
     tell_(true,
@@ -67,7 +73,7 @@ void DeviceWatch::watchRate(const DeviceStatus& status, double seconds) {
 }
 
 void DeviceWatch::watchForce(const DeviceStatus& status, double seconds) {
-  constexpr double lasting = 1, quiet = 5;  // s
+  constexpr double lasting = 1, quiet = 5;  // s: a hand that slips by turns is told once
   if (status.lacking <= DeviceCoupling::felt_lacking) {
     lacking_since_ = -1;
     if (seconds > lacking_last_ + quiet) lacking_told_ = false;

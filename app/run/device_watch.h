@@ -8,7 +8,8 @@
 
 namespace palpate::app {
 
-/// Tells of a device while it runs: whether poses come, and often enough, and whether the hand feels all that it should.
+/// Tells of a device while it runs: whether poses come, and often enough, and whether the hand feels all that it
+/// should.
 /// Test: app/run/device_watch_test.cpp
 class DeviceWatch {
  public:
@@ -32,7 +33,7 @@ class DeviceWatch {
   bool there_ = true;
   int losses_ = 0;
   double begin_ = -1, first_pose_ = -1, last_pose_ = -1;  // s; < 0: not yet
-  std::int64_t poses_ = 0;
+  std::int64_t poses_ = 0, counted_from_ = 0;
   bool silence_told_ = false, refused_told_ = false, rate_told_ = false;
   double lacking_since_ = -1, lacking_last_ = -1;
   bool lacking_told_ = false;

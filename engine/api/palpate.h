@@ -122,7 +122,8 @@ typedef struct palpate_state {
   double normal[3];         /* unit, from the tissue towards the tool; 0: no contact */
   double stiffness;         /* N/m, of late, force over travel along the normal (50 ms); 0: not known */
   double depth_m;           /* how far the tool's foremost point along the skin's normal is beyond where the skin
-                               lay at rest there; on a slope that is more than its tip. Negative: the gap */
+                               lay at rest there; on a slope that is more than its tip. Negative: the gap; 0 where
+                               nothing touches but the skin lay there at rest */
   double advance_m;         /* travel along the tool's first axis past first touch, or past the start where the tool
                                meets no skin that way */
   double work_J;            /* that the tool has done on the tissue */
@@ -481,7 +482,8 @@ typedef struct palpate_material_number {
 /* The body at rest with its tool at a pose, come to along the tool's axis from outside. Takes seconds. It is solved to
  * rounding, with the laws of `mtled solve`: materials that relax after a long time, gravity and prescribed motions of
  * the scene only. PALPATE_BAD_INPUT where the scene has several tools, jaws, friction, rigid bodies, loads on its skin
- * or boundary_method "ebciem", which sensitivities are not for; PALPATE_REFUSED where the body does not come to rest.
+ * or boundary_method "ebciem", which sensitivities are not for; PALPATE_REFUSED where the body does not come to rest,
+ * or what holds the organ stands in the tool's way.
  * The tool touches the skin's vertices alone: where the skin is stretched by more than half, a simulation's touches
  * more points, and its force may be some percent larger, which palpate_equilibrium_expected_error counts.
  * @param pose     (7); NULL: there is no tool

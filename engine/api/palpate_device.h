@@ -16,8 +16,9 @@
  *   - passive: the energy at the handle is counted, and no spring pushes harder than one that holds what the hand has
  *     put in and not got back, and 0.1 mJ; the spring's end slips instead, as a clutch
  *   - a contact only pushes
- *   - dead man: without a pose for 10 ms the force goes to 0 within 40 ms; likewise while the tissue is put back,
- *     frozen or late. Then the handle takes the tool again where both are
+ *   - dead man: without a pose for 10 ms (or for 2.5 periods of a device of 50 Hz or more; slower ones are silent) the
+ *     force goes to 0 within 40 ms; likewise while the tissue is put back, frozen or late. Then the handle takes the
+ *     tool again where both are. What it got in between is held against it, until a second without force in air
  *
  * World and device have the same axes: x, z up. Where the handle is when it first takes the tool is the tool's start.
  * While a simulation is coupled its first tool follows the device: palpate_set_target, or a pose given to palpate_step,
@@ -74,7 +75,7 @@ typedef struct palpate_coupling_state {
   int64_t silences;       /* times that they stopped coming */
   int64_t fades;          /* times that the tissue was put back, frozen or late */
   double stiffness;       /* N/m, in force */
-  double delay_s;         /* there and back: told by `felt`, or assumed */
+  double delay_s;         /* there and back: told by `felt` (the second longest of 64), or assumed */
   double energy_J;        /* that the hand has put in and not got back, */
   double lowest_energy_J; /* and the least of it so far: what the coupling has given away where negative */
   double damped_J;        /* taken out again as the spring's end slipped */

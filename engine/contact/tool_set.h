@@ -67,7 +67,7 @@ struct ToolLoad {
   double work = 0;                             // J, of a step or tick, that it has done on the tissue by moving
   int contact_count = 0;                       // points of the skin that carry force
   int near_count = 0;                          // skin vertices that it may reach in the tick; of a whole tick only
-  bool stopped = false;                        // it stands before a rigid body; likewise
+  bool stopped = false;                        // it stands before what is rigid (RigidStop); likewise
   double expected_error = 0, error_force = 0;  // as StepReport's, of this tool's force; likewise
 };
 using ToolLoads = std::array<ToolLoad, max_tools>;

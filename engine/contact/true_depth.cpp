@@ -57,7 +57,7 @@ double TrueDepth::support(const Vec3& direction) const {
 double TrueDepth::of(const Pose& tool, const ContactState& contact) const {
   Vec3 sum = Vec3::Zero();  // tool's frame
   forEachTouched(contact, [&](double f, const Vec3f& normal, const SkinPoint&) { sum += f * normal.cast<double>(); });
-  if (!(sum.norm() > 0)) return -std::max(0.0, gap(tool));
+  if (!(sum.norm() > 0)) return std::min(0.0, -gap(tool));
   const Vec3 push = sum.normalized();
 
   // The best aligned first: a tool that touches around its foremost point, as a hollow one would, has none there.

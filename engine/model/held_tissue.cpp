@@ -9,31 +9,34 @@
 namespace palpate {
 namespace {
 
-/// By node: the boundary that holds it; -1: a component is free, or moved.
-std::vector<int> holdersOf(const Body& body) {
-  std::vector<int> holder(body.X.size(), -1);
+using Holders = std::array<int, 3>;
+constexpr Holders free_node{-1, -1, -1};
+
+/// By node: the boundaries that hold its components; free_node: one is free, or moved.
+std::vector<Holders> holdersOf(const Body& body) {
+  std::vector<Holders> holders(body.X.size(), free_node);
   for (const ImposedNode& imposed : body.essential.nodes) {
     if (imposed.node == ImposedNode::point) continue;
     const auto stands = [&](int b) { return b >= 0 && !body.essential.motions[static_cast<std::size_t>(b)].moves(); };
     if (std::all_of(imposed.boundary.begin(), imposed.boundary.end(), stands))
-      holder[static_cast<std::size_t>(imposed.node)] = imposed.boundary[0];
+      holders[static_cast<std::size_t>(imposed.node)] = imposed.boundary;
   }
-  return holder;
+  return holders;
 }
 
 }  // namespace
 
 HeldTissue heldTissue(const Body& body) {
   HeldTissue held;
-  const std::vector<int> holder = holdersOf(body);
-  if (std::all_of(holder.begin(), holder.end(), [](int b) { return b < 0; })) return held;
+  const std::vector<Holders> holders = holdersOf(body);
+  if (std::all_of(holders.begin(), holders.end(), [](const Holders& h) { return h == free_node; })) return held;
 
   const Neighbours nodes(body.X, std::vector<double>(body.X.size(), body.scene.discretization.spacing));
   held.least_clearance = std::numeric_limits<double>::infinity();
   const auto add = [&](const Vec3& x, const Vec3& outward, std::size_t node) {
     const Vec3& X = body.X[node];  // the nearest node is itself
     const double apart = (body.X[static_cast<std::size_t>(nodes.nearest(X, 2).back())] - X).norm();
-    held.points.push_back({x, outward, HeldTissue::clearance * apart, holder[node]});
+    held.points.push_back({x, outward, HeldTissue::clearance * apart, holders[node]});
     const Vec3 around = Vec3::Constant(held.points.back().clearance);
     held.box.extend(x + around).extend(x - around);
     held.least_clearance = std::min(held.least_clearance, around.x());
@@ -44,10 +47,10 @@ HeldTissue heldTissue(const Body& body) {
     const Vec3& x = body.skin.surface.vertices[v];
     const auto node = static_cast<std::size_t>(nodes.nearest(x, 1).front());
     at_skin[node] = true;
-    if (holder[node] >= 0) add(x, normal[v], node);
+    if (holders[node] != free_node) add(x, normal[v], node);
   }
-  for (std::size_t i = 0; i < holder.size(); ++i)
-    if (holder[i] >= 0 && !at_skin[i]) add(body.X[i], Vec3::Zero(), i);
+  for (std::size_t i = 0; i < holders.size(); ++i)
+    if (holders[i] != free_node && !at_skin[i]) add(body.X[i], Vec3::Zero(), i);
   return held;
 }
 

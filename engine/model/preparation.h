@@ -49,8 +49,8 @@ struct Preparation {
   // Bodies that are not joined to one another stand one after another (join_bodies.h).
   std::vector<int> end_node, end_point;  // (body_count)
 
-  // Of the cells' materials (thin_layers.h): one of which they see little, the error that forces have for it, and what it
-  // follows from. With other materials than those loaded: layerError().
+  // Of the cells' materials (thin_layers.h): one of which they see little, the error that forces have for it, and what
+  // that follows from. With other materials than those loaded: layerError().
   int thin_layer = -1;  // index into the scene's materials; -1: none
   double layer_error = 0;
   std::vector<MissedShare> missed_shares;  // by body and material
@@ -89,8 +89,8 @@ std::vector<T> verticesOf(std::vector<T> of_nodes, const std::vector<int>& side_
 /// N at the vertices of volume_cells: with the nodes' rows those of a border's further sides, which go with their node.
 ShapeTable vertexShape(const ShapeTable& node_shape, const std::vector<int>& side_node);
 
-/// Preparation::layer_error with these materials: where cells miss much of a layer it counts as far as that is softer or
-/// stiffer than what they take it for. Of mixed tissue as loaded.
+/// Preparation::layer_error with these materials: where cells miss much of a layer it counts as far as that is softer
+/// or stiffer than what they take it for. Of mixed tissue as loaded.
 /// Real-time: no allocation, no lock, no throw.
 double layerError(const Preparation& preparation, std::span<const Material> materials);
 

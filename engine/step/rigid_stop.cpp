@@ -121,7 +121,7 @@ TooNear worstOfHeld(const Model& model, int tool, const ToolPosture& from, const
     const double reach = std::hypot(0.5 * profile.length, profile.radius) + move.norm();
     if (model.held.box.exteriorDistance(middle) > reach + shifted) continue;
     for (const HeldTissue::Point& held : model.held.points) {
-      const Vec3 at_rest = held.position + shifts.of[static_cast<std::size_t>(held.boundary)];
+      const Vec3 at_rest = held.at(shifts);
       const double near = reach + held.clearance;
       if ((at_rest - middle).squaredNorm() > near * near || (front - at_rest).dot(held.outward) > 0) continue;
       const Vec3 before = to_tool * (at_rest - pose.position);
@@ -180,11 +180,15 @@ ToolsAt stoppedByRigid(const Model& model, const ToolsAt& from, const ToolsAt& w
     };
     // In pieces that see all that they would pass. Twice as many as the straight way has: it may slide.
     ToolPosture at = from.posture[t];
-    const double piece = model.held.empty() ? std::numeric_limits<double>::infinity() : model.held.least_clearance;
+    const double piece = model.held.empty()
+                             ? std::numeric_limits<double>::infinity()
+                             : std::max(model.held.least_clearance, 1e-3 * model.scene.discretization.spacing);
     for (double left = std::ceil(wayLeft(at) / piece) * 2; left >= 1 && wayLeft(at) > piece; --left)
       at = stopped(at, piece / wayLeft(at));
     if (wayLeft(at) <= piece) at = stopped(at, 1);
     tools.posture[t].pose.position = at.pose.position;
+    if (!model.rigid.empty())  // with the last of its turn
+      tools.posture[t] = pushedOut(model, static_cast<int>(t), tools.posture[t], time, stop.farthest);
   }
   return tools;
 }

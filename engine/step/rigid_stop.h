@@ -12,10 +12,11 @@ namespace palpate {
 /// and was drawn through the body, or between the held nodes, with the tool.
 ///
 ///   what holds the organ   (HeldTissue) stops tools that are on its inner side, under the hand; a hand that draws
-///                          sideways slides them along. From outside they meet it as any skin, by contact, and what they
-///                          have passed that way holds them no more. One that begins nearer may leave.
-///   rigid bodies           but those that enclose the organ, as they are at `time`: the tool slides along them, and one
-///                          that moves pushes it out of its way. The gap is that of the tool's core, sampled at its
+///                          sideways slides them along. From outside they meet it as any skin, by contact, and what
+///                          they have passed that way holds them no more. One that begins nearer may leave. Turns and
+///                          opening jaws are not looked at.
+///   rigid bodies           but those that enclose the organ, as they are at `time`: the tool slides along them, and
+///                          one that moves pushes it out of its way. The gap is that of the tool's core, sampled at its
 ///                          corners and between them half a radius apart, each at the side that faces the body.
 ///
 /// The way is that of a tick: what lies further off than it is long, and the clearance, is not seen.
@@ -29,7 +30,8 @@ struct RigidStop {
   ToolPosture of(const Model& model, int tool, const ToolPosture& from, const ToolPosture& wanted) const;
 };
 
-/// The same for the tools of a batch solution, whose ways may be long.
+/// The same for the tools of a batch solution, whose ways may be long: what holds the organ stops them along all of
+/// it, rigid bodies where it ends.
 ToolsAt stoppedByRigid(const Model& model, const ToolsAt& from, const ToolsAt& wanted, double time);
 
 }  // namespace palpate

@@ -31,7 +31,7 @@ class ToolWays {
   /// Where they should be at the tick's end.
   const ToolPostures& end() const { return to_; }
 
-  /// Whether a tool stands before a rigid body instead.
+  /// Whether a tool stands before what is rigid instead (RigidStop).
   bool stopped(int tool) const { return stopped_[static_cast<std::size_t>(tool)]; }
 
   /// Where they should be after the next of `left` steps of the tick, from where they are: a tool that gave way tries

@@ -185,8 +185,11 @@ TEST_CASE("Only what no scene moves and no component frees is rigid - held nodes
   for (int tick = 0; tick < 100; ++tick) tool.pose.position += wayOf(thick, tool, Vec3(0, 0, -2e-3));
   CHECK(tool.pose.position.isApprox(Vec3(0, 0, spacing + stand), 1e-9));
 
-  // A region that was moved live holds where it is.
-  const Model model = slab();
+  // A region that was moved live holds where it is, each component by who holds it; those beyond the sixteenth stand.
+  Model model = slab();
+  for (ImposedNode& node : model.essential.nodes) node.boundary = {17, 17, 0};
+  model.essential.motions.resize(18);
+  model.held = heldTissue(model);
   RigidStop stop;
   stop.shifts.of[0] = Vec3(0, 0, 0.005);
   tool = at(0, 0, 0.025);
@@ -221,7 +224,6 @@ TEST_CASE("An equilibrium has its tool before what holds the body, not behind it
   Pose pose = test::toolAt(model, 0.005);
   REQUIRE(solver.advanceTo(0, pose).converged);
   CHECK(solver.body().tools().posture[0].pose.position == pose.position);
-  const SurfaceTree organ(model.skin.surface);
   const double bottom = boundingBox(model.skin.surface).min().z();
   pose.position.z() = bottom - 0.01;
   const Equilibrium equilibrium = solver.advanceTo(0, pose);

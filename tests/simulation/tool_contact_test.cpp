@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "batch/static_solver.h"
 #include "contact/tools/tool_list.h"
 #include "model/live_parameters.h"
 #include "step/step.h"
@@ -93,6 +94,27 @@ TEST_CASE("What the wall behind a sharp rim drags along is no force to be truste
     CHECK((rimForce(model, state, 0) > 0) == (rim < 0.001));
     CHECK((report.expected_error > 0.1) == (rim < 0.001));
   }
+}
+
+TEST_CASE("In equilibria, too, what a sharp rim drags along is in the error to expect", "[tool_contact][static][whole]") {
+  Scene scene = test::blockScene(0.004);
+  scene.organs[0].size = Vec3(0.06, 0.04, 0.02);
+  scene.materials[0].material.set("poisson", 0.45);
+  scene.tools[0].shape = ToolShape::of(ToolKind::FlatCylinder, 0.01);
+  scene.tools[0].shape.parameter[0] = 0.0003;
+  scene.tools[0].position = Vec3(-0.007, 0, 0.021);
+  const Model model = test::blockModel(scene);
+  StaticSolver solver(model, 2, 1e-3);
+  Equilibrium equilibrium;
+  for (int k = 0; k <= 8; ++k) {
+    Pose pose = test::toolAt(model, model.tools.first().first_contact_travel + 0.002);
+    pose.position.x() += 0.0005 * k;
+    equilibrium = solver.advanceTo(0, pose);
+  }
+  const double aside = std::abs(equilibrium.tool_force.x()) / equilibrium.tool_force.norm();
+  INFO("aside " << aside << ", expected " << equilibrium.expected_error);
+  CHECK(aside > 0.1);
+  CHECK(equilibrium.expected_error > 0.7 * aside);
 }
 
 TEST_CASE("A tool's work counts what a hand swings within a tick", "[tool_contact]") {

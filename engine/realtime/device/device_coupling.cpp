@@ -15,7 +15,7 @@ constexpr double kContactSeconds = 0.005;           // for the coupling to come 
 constexpr double kVelocitySeconds = 0.004;          // smoothing of velocities made from an encoder's steps
 constexpr double kIntervalShare = 0.02;             // of a new interval between poses in their mean
 constexpr double kGap = 2.5;                        // intervals without a pose: some were lost
-constexpr double kLike = 0.3;                       // difference of two intervals of the same rate, as a share
+constexpr double kLike = 0.3;                       // of two intervals of one rate; poses are read each ms
 constexpr double kSoftens = 0.02, kStiffens = 1.0;  // s, of the coupling when its delay changes
 constexpr double kBraked = 0.1;    // m/s, up to which a handle that comes in is braked before it has paid
 constexpr double kUnknown = 3e-4;  // J, that forces under way may give to a handle at full speed that turns back
@@ -66,6 +66,7 @@ void DeviceCoupling::take(std::int64_t now, const DevicePose& pose) {
   last_interval_ = interval;
   const bool gap = report_.poses == 1 || (!regular && interval > std::max(silent_seconds, kGap * interval_s_));
   energy_.moved(now, pose.felt, way, interval, gap);
+  // A slow device is silent until it is known as one: five times as quickly.
   if (!gap) interval_s_ += (regular && interval > interval_s_ ? 5 : 1) * kIntervalShare * (interval - interval_s_);
   // By the device's clock: the way here takes now longer, now shorter.
   const double told = seconds(pose.sent_ns - handle_.sent_ns);
@@ -326,7 +327,6 @@ DeviceReport DeviceCoupling::report() const {
   report.stiffness = stiffness_;
   report.slipped_m = slack_.norm();
   report.lacking = lacking();
-  report.period_s = interval_s_;
   report.engaged = phase_ == Phase::Engaged;
   return report;
 }

@@ -26,7 +26,6 @@ struct DeviceReport {
   double slipped_m = 0;                      // that the spring's end is from the handle's place now
   double lacking = 0;    // share of the force that the hand should feel, which the slip takes from it now
   double lacking_s = 0;  // for how long that was above felt_lacking
-  double period_s = 0;   // from pose to pose
   bool engaged = false;
 };
 
@@ -86,7 +85,6 @@ class DeviceCoupling {
   DeviceReport report() const;
   /// Of report(), at any time: cheap.
   double lacking() const;
-  double period() const { return interval_s_; }
   std::int64_t poses() const { return report_.poses; }
 
  private:

@@ -41,7 +41,7 @@ DeviceThread::DeviceThread(std::unique_ptr<DeviceBackend> backend, CoupledTool& 
 
 DeviceStatus DeviceThread::status() const {
   constexpr auto any = std::memory_order_relaxed;
-  return {connected_.load(any), poses_.load(any), refused_.load(any), period_.load(any), lacking_.load(any)};
+  return {connected_.load(any), poses_.load(any), refused_.load(any), lacking_.load(any)};
 }
 
 void DeviceThread::stop() {
@@ -59,7 +59,6 @@ void DeviceThread::run() {
     connected_.store(backend_->connected(), std::memory_order_relaxed);
     poses_.store(link_.coupling().poses(), std::memory_order_relaxed);
     refused_.store(backend_->refusedCount(), std::memory_order_relaxed);
-    period_.store(link_.coupling().period(), std::memory_order_relaxed);
     lacking_.store(link_.coupling().lacking(), std::memory_order_relaxed);
     const std::int64_t now = clock.now();
     next += period_ns_ * std::max<std::int64_t>(1, (now - next) / period_ns_ + 1);  // what was missed is skipped

@@ -41,7 +41,6 @@ class DeviceLink {
 struct DeviceStatus {
   bool connected = true;
   std::int64_t poses = 0, refused = 0;  // that came; messages that were none
-  double period_s = 0;                  // from pose to pose
   double lacking = 0;                   // as DeviceReport's
 };
 
@@ -81,7 +80,7 @@ class DeviceThread {
   const std::int64_t period_ns_;
   std::atomic<bool> quit_{false}, connected_{true};
   std::atomic<std::int64_t> exchanges_{0}, poses_{0}, refused_{0};
-  std::atomic<double> period_{0}, lacking_{0};
+  std::atomic<double> lacking_{0};
   std::thread thread_;
 };
 

@@ -58,8 +58,8 @@ class PortEnergy {
   /// @param push_alone  without torques
   double underway(std::int64_t now, const AlongAndTurning& velocity, bool push_alone) const;
 
-  /// s, there and back, without the device's own period: told and nearly the longest of late (but for one of 64 poses: a
-  /// program that stood still for a moment has no slow line), or assumed.
+  /// s, there and back, without the device's own period: told and nearly the longest of late (but for one of 64 poses:
+  /// a program that stood still for a moment has no slow line), or assumed.
   double delay() const { return delay_s_; }
   bool told() const { return told_; }
 

@@ -13,7 +13,7 @@ namespace palpate {
 
 /// How often the tissue went back to an earlier state, by what it was lost to.
 struct Restores {
-  std::int64_t lost = 0;    // not finite, blown up, or too many points inverted (Watchdog)
+  std::int64_t lost = 0;    // not finite, or blown up (Watchdog)
   std::int64_t folded = 0;  // FoldWatch
 
   void count(LogEvent::Kind kind) { ++(kind == LogEvent::Kind::RestoredFolded ? folded : lost); }

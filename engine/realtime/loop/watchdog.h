@@ -17,10 +17,10 @@ enum class Verdict : std::uint8_t {
   Freeze,   // it has been lost too often of late
 };
 
-/// Judges each tick's report: go on, warn, restore (what is not finite, or blew up; no point turns inside out, which
-/// CompressionLimit sees to), or freeze: where the solution has been lost and restored three
-/// times within a second of physics time, the fourth loss freezes the tissue. A warning is logged when its
-/// condition begins, and again only after the condition has been absent for a second.
+/// Judges each tick's report: go on, warn, restore what is not finite or blew up (CompressionLimit keeps points from
+/// turning inside out; those that do are doubted), or freeze: where the solution has been lost and restored three times
+/// within a second of physics time, the fourth loss freezes the tissue. A warning is logged when its condition begins,
+/// and again only after the condition has been absent for a second.
 /// Real-time: no allocation, no lock, no throw.
 class Watchdog {
  public:

@@ -54,6 +54,21 @@ TEST_CASE("A device that sends nothing is told of, and one that stops, once each
   CHECK(told.lines.back() == "poses come again");
 }
 
+TEST_CASE("A service that is back is given time", "[device_watch]") {
+  Told told;
+  told.go(3, 1000);
+  const std::size_t before = told.lines.size();
+  told.status.connected = false;
+  told.go(5, 0);
+  told.status.connected = true;
+  told.go(0.1, 0);
+  told.go(3, 1000);
+  REQUIRE(told.lines.size() == before + 2);
+  CHECK(told.lines[before].find("! udp on 127.0.0.1:7711 is gone") == 0);
+  CHECK(told.lines.back() == "udp on 127.0.0.1:7711 is back");
+  CHECK(told.watch.losses() == 1);
+}
+
 TEST_CASE("Poses that come too seldom are told of, and messages that are none", "[device_watch]") {
   for (const double rate : {30.0, 100.0, 1000.0}) {
     Told told;

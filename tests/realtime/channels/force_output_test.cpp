@@ -54,8 +54,8 @@ bool isMarked(const ForceSample& s) {
          s.contact_normal == whole.contact_normal && s.stiffness == whole.stiffness && s.work_J == whole.work_J &&
          s.pose_sequence == whole.pose_sequence && s.loss_count == whole.loss_count &&
          s.contact_count == whole.contact_count && s.frozen == whole.frozen && s.node_count == whole.node_count &&
-         s.place_late == whole.place_late && s.rigid_force == whole.rigid_force && s.expected_error == whole.expected_error &&
-         s.error_force == whole.error_force && s.error_by == whole.error_by;
+         s.place_late == whole.place_late && s.rigid_force == whole.rigid_force &&
+         s.expected_error == whole.expected_error && s.error_force == whole.error_force && s.error_by == whole.error_by;
 }
 
 }  // namespace

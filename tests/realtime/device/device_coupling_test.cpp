@@ -318,7 +318,7 @@ TEST_CASE("One pose that tells an old force makes nothing soft, a line that is l
   CHECK(hand.coupling.report().delay_s == Approx(0.010).epsilon(0.1));
 }
 
-TEST_CASE("A device that is slow feels what a quick one does, but softer - below 50 Hz nothing", "[device]") {
+TEST_CASE("A device that is slow feels what a quick one does, but softer - below 50 Hz it is silent", "[device]") {
   const int period = GENERATE(2, 5, 10, 15, 20, 33);
   Hand hand;
   const auto slowly = [&](int calls, const Vec3& way) {
@@ -336,7 +336,7 @@ TEST_CASE("A device that is slow feels what a quick one does, but softer - below
   const double held = slowly(600, Vec3::Zero()), later = slowly(2400, Vec3::Zero());
   CAPTURE(period, hand.coupling.report().stiffness);
   if (period > 20) {
-    CHECK(later == 0);
+    CHECK(hand.coupling.report().silences > at_first + 50);
     return;
   }
   CHECK(held > 0.05);

@@ -12,8 +12,10 @@
 #include "base/interrupt.h"
 #include "base/key.h"
 #include "base/parallel_for.h"
+#include "batch/batch_tools.h"
 #include "batch/static_solver.h"
 #include "batch/transient_solver.h"
+#include "discretization/surface/surface_geometry.h"
 #include "io/find_asset.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
@@ -113,24 +115,44 @@ struct Task {
 
   ToolsAt toolsAt(double time) const { return tools.at(model, time); }
 
-  /// In how many pieces a load step goes with friction, which is of ways: in two steps of a quarter of the radius each a
-  /// ball that presses had up to a quarter of its force aside for a tenth, from twentieths on 1 % more or less.
-  int piecesOf(double from, double to) const {
+  /// The times that a load step goes over, its end last. Friction is of ways: in two steps of a quarter of the radius
+  /// each a ball that presses had up to a quarter of its force aside for a tenth, from twentieths on 1 % more or less.
+  std::vector<double> timesOf(std::int64_t load_step) const {
     constexpr double longest = 0.05;  // of a tool's radius
+    constexpr int most = 40;          // pieces: a tool that comes from afar through air
+    const auto at = [&](double k) { return end * k / model.scene.solve.load_steps; };
+    const double from = at(static_cast<double>(load_step - 1)), to = at(static_cast<double>(load_step));
     const ToolsAt before = toolsAt(from), after = toolsAt(to);
     double pieces = 1;
-    for (std::size_t t = 0; t < static_cast<std::size_t>(after.count); ++t)
-      pieces = std::max(pieces, (after.posture[t].pose.position - before.posture[t].pose.position).norm() /
-                                    (longest * model.scene.tools[t].shape.radius));
-    return static_cast<int>(std::ceil(pieces - 1e-9));
+    for (std::size_t t = 0; hasFriction(model.scene) && t < static_cast<std::size_t>(after.count); ++t) {
+      const double way = (after.posture[t].pose.position - before.posture[t].pose.position).norm() + bodysWay(from, to);
+      pieces = std::max(pieces, std::ceil(way / (longest * model.scene.tools[t].shape.radius) - 1e-9));
+    }
+    std::vector<double> times;
+    const int count = static_cast<int>(std::min<double>(pieces, most));
+    for (int p = 1; p < count; ++p) times.push_back(from + (to - from) * p / count);
+    times.push_back(to);
+    return times;
   }
 
-  /// Where they are after the first `steps`, which take `step` s each: what is rigid may have stopped them.
-  ToolsAt toolsAfter(std::int64_t steps, double step) const {
+  /// m, that prescribed motions move the body at most.
+  double bodysWay(double from, double to) const {
+    const Box3 box = boundingBox(model.skin.surface);
+    double way = 0;
+    for (const BoundaryMotion& motion : model.essential.motions)
+      for (int c = 0; motion.moves() && c < 8; ++c) {
+        const Vec3 X = box.corner(static_cast<Box3::CornerType>(c));
+        way = std::max(way, (motion.at(X, to) - motion.at(X, from)).norm());
+      }
+    return way;
+  }
+
+  /// Where they are at the end of some times, one after the other: what is rigid may have stopped them.
+  ToolsAt toolsAfter(const std::vector<double>& times, SolveResults& results) const {
     ToolsAt at = BatchTools(model).at();
-    for (std::int64_t k = 1; k <= steps; ++k) {
-      const double time = step * static_cast<double>(k);
+    for (const double time : times) {
       at = stoppedByRigid(model, at, toolsAt(time), time);
+      results.compareTools(time, toolsAt(time), at);
     }
     return at;
   }
@@ -140,31 +162,40 @@ int solveStatic(const Task& task, SolveResults& results) {
   const auto start = std::chrono::steady_clock::now();
   const SolveSpec& spec = task.model.scene.solve;
   StaticSolver solver(task.model, task.threads, spec.tolerance);
-  if (task.resume)
-    solver.resume(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps,
-                  results.checkpoint().u, task.toolsAfter(results.checkpoint().position, task.end / spec.load_steps),
+  if (task.resume) {
+    std::vector<double> times{0};
+    for (std::int64_t k = 1; k <= results.checkpoint().position; ++k)
+      for (const double time : task.timesOf(k)) times.push_back(time);
+    solver.resume(times.back(), results.checkpoint().u, task.toolsAfter({times.begin() + 1, times.end()}, results),
                   results.checkpoint().largest);
+  }
   ProgressLine progress("solve");
   int iterations = 0;
   Equilibrium e;
   e.converged = true;
   for (std::int64_t k = results.checkpoint().position + 1; k <= spec.load_steps; ++k) {
-    const auto watch = [&](int of_step) {
+    Equilibrium whole;  // of the load step
+    const auto watch = [&](int of_piece) {
       // A load step takes a few hundred iterations; the bar moves within it, and never past it.
+      const int of_step = whole.iterations + of_piece;
       const double within = 1 - std::exp(-of_step / 400.0);
       progress.show((k - 1 + within) / spec.load_steps, "load step " + std::to_string(k) + " of " +
                                                             std::to_string(spec.load_steps) + ", iteration " +
                                                             std::to_string(of_step));
       return !interrupted();
     };
-    const double time = task.end * k / spec.load_steps;
-    const int pieces = hasFriction(task.model.scene) ? task.piecesOf(time - task.end / spec.load_steps, time) : 1;
-    for (int p = 1; p <= pieces; ++p) {
-      const double at = time - task.end / spec.load_steps * (pieces - p) / pieces;
-      e = solver.advanceTo(p < pieces ? at : time, task.toolsAt(p < pieces ? at : time), watch);
-      iterations += e.iterations;
+    const std::vector<double> times = task.timesOf(k);
+    const double time = times.back();
+    for (const double at : times) {
+      e = solver.advanceTo(at, task.toolsAt(at), watch);
+      e.iterations += whole.iterations;
+      e.doubt = std::max(e.doubt, whole.doubt);
+      e.inverted_points = std::max(e.inverted_points, whole.inverted_points);
+      if (whole.min_J < e.min_J) e.min_J = whole.min_J, e.worst_point = whole.worst_point;
+      whole = e;
       if (!e.converged) break;
     }
+    iterations += e.iterations;
     if (!e.converged) break;
     results.add({k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.loads, e.rigid, solver.largestSoFar(),
                  e.doubt, e.expected_error, e.worst_point},
@@ -199,11 +230,14 @@ int solveTransient(const Task& task, SolveResults& results) {
   const auto start = std::chrono::steady_clock::now();
   TransientSolver solver(task.model, task.threads);
   const double tick = 1 / task.model.scene.dynamics.rate_hz;
-  if (task.resume) results.checkHistory(solver.body().history());
-  if (task.resume)
+  if (task.resume) {
+    results.checkHistory(solver.body().history());
+    std::vector<double> times;
+    for (std::int64_t k = 1; k <= results.checkpoint().position / task.model.substeps_per_tick; ++k)
+      times.push_back(static_cast<double>(k) * tick);
     solver.resume(results.checkpoint().position, results.checkpoint().u, results.checkpoint().du,
-                  task.toolsAfter(results.checkpoint().position / task.model.substeps_per_tick, tick),
-                  results.checkpoint().history);
+                  task.toolsAfter(times, results), results.checkpoint().history);
+  }
   ProgressLine progress("solve");
   const auto ticks = static_cast<std::int64_t>(ticksTo(task.end, task.model.scene));
   // What the cloud's fineness is worth takes as long to find as a step: of some ticks, and the last.

@@ -131,12 +131,16 @@ void SolveResults::checkHistory(const AlignedVector<double>& solver) const {
     throw InputError({checkpointFile()}, "the checkpoint is damaged", "start without --resume");
 }
 
-void SolveResults::add(const SolvedRow& solved, const BatchBody& body, const ToolsAt& tools) {
-  for (std::size_t t = 0; t < static_cast<std::size_t>(tools.count); ++t) {
-    const double lacking = (tools.posture[t].pose.position - body.tools().posture[t].pose.position).norm();
-    if (short_of_way_ == 0) short_from_ = solved.time;
+void SolveResults::compareTools(double time, const ToolsAt& wanted, const ToolsAt& are) {
+  for (std::size_t t = 0; t < static_cast<std::size_t>(wanted.count); ++t) {
+    const double lacking = (wanted.posture[t].pose.position - are.posture[t].pose.position).norm();
+    if (short_of_way_ == 0) short_from_ = time;
     short_of_way_ = std::max(short_of_way_, lacking);
   }
+}
+
+void SolveResults::add(const SolvedRow& solved, const BatchBody& body, const ToolsAt& tools) {
+  compareTools(solved.time, tools, body.tools());
   std::vector<double> row{solved.time, static_cast<double>(solved.iterations), solved.min_J,
                           static_cast<double>(solved.inverted_points)};
   const auto append = [&](const Vec3& v) { row.insert(row.end(), v.data(), v.data() + 3); };

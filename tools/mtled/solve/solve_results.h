@@ -60,6 +60,9 @@ class SolveResults {
   /// @param tools  where the load has them: what is rigid may have stopped them before
   void add(const SolvedRow& solved, const BatchBody& body, const ToolsAt& tools);
 
+  /// Remembers how far tools stand before where they should be. @param time  s
+  void compareTools(double time, const ToolsAt& wanted, const ToolsAt& are);
+
   /// Probes, checkpoint and report of the last row. @param outcome  more members of the report
   void finish(nlohmann::json outcome);
 

@@ -48,6 +48,7 @@ ToolsAt SolveTools::at(const Model& model, double time) const {
 }
 
 void SolveTools::addTo(ByteKey& key) const {
+  key.add(there_);
   for (std::size_t t = 0; t < script_.size(); ++t) {
     if (!script_[t]) continue;
     if (t > 0) key.add(t);
