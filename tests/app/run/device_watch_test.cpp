@@ -78,7 +78,7 @@ TEST_CASE("Poses that come too seldom are told of, and messages that are none", 
     CHECK(told.says("softer than with 1000") == (rate == 100));
     told.status.refused = 3;
     told.go(5, rate);
-    CHECK(told.says("! a message came that is no pose"));
+    CHECK(told.says("! a message came that is no new pose"));
   }
 }
 

@@ -38,7 +38,8 @@ ForceSample marked(std::int64_t tick) {
   sample.node_count = static_cast<int>(tick % 5000);
   sample.place_late = tick % 3 == 1;
   for (std::size_t b = 0; b < sample.rigid_force.size(); ++b)
-    sample.rigid_force[b] = {static_cast<float>(tick), static_cast<float>(b), static_cast<float>(tick % 7)};
+    sample.rigid_force[b] = {static_cast<float>(tick), static_cast<float>(b) * static_cast<float>(tick % 5),
+                             static_cast<float>(tick % 7)};
   sample.expected_error = 27 * t;
   sample.error_force = 28 * t;
   sample.error_by = static_cast<int>(tick % 10) - 1;
