@@ -189,7 +189,8 @@ int solveStatic(const Task& task, SolveResults& results) {
     for (const double at : times) {
       e = solver.advanceTo(at, task.toolsAt(at), watch);
       e.iterations += whole.iterations;
-      e.doubt = std::max(e.doubt, whole.doubt);
+      // First touch is never resolved, and of no weight at the end.
+      if (whole.doubt != Doubt::Resolution) e.doubt = std::max(e.doubt, whole.doubt);
       e.inverted_points = std::max(e.inverted_points, whole.inverted_points);
       if (whole.min_J < e.min_J) e.min_J = whole.min_J, e.worst_point = whole.worst_point;
       whole = e;
