@@ -129,9 +129,11 @@ void drawPresses(const Theme& theme, const PressCurves& presses, UserActions& as
   const Press& last = presses.all().back();
   row(format("Press %d", last.number).c_str(), format("%.3f N at %.2f mm", last.peak_N, last.peak_mm), colours::text,
       "largest force and depth of the last press; violet curves are the presses before it");
-  if (last.loaded_mJ > 0 && !presses.underWay())
-    row("Hysteresis", format("%.0f %% of %.3g mJ", 100 * last.lost_mJ / last.loaded_mJ, last.loaded_mJ), colours::text,
-        "of the work done on the tissue while it was pressed in, what did not come back");
+  // More than was put in comes back only of a tool that was dragged, whose work over its depth is not all of it.
+  constexpr double rounding = 0.02;
+  if (last.loaded_mJ > 0 && last.lost_mJ > -rounding * last.loaded_mJ && !presses.underWay())
+    row("Hysteresis", format("%.0f %% of %.3g mJ", 100 * std::max(0.0, last.lost_mJ) / last.loaded_mJ, last.loaded_mJ),
+        colours::text, "of the work done on the tissue while it was pressed in, what did not come back");
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
   ImGui::PushFont(theme.small);
   if (button("Save the curves", half)) asked.push_back({UserAction::SavePresses});
