@@ -96,7 +96,8 @@ TEST_CASE("What the wall behind a sharp rim drags along is no force to be truste
   }
 }
 
-TEST_CASE("In equilibria, too, what a sharp rim drags along is in the error to expect", "[tool_contact][static][whole]") {
+TEST_CASE("In equilibria, too, what a sharp rim drags along is in the error to expect",
+          "[tool_contact][static][whole]") {
   Scene scene = test::blockScene(0.004);
   scene.organs[0].size = Vec3(0.06, 0.04, 0.02);
   scene.materials[0].material.set("poisson", 0.45);
