@@ -119,6 +119,7 @@ ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std:
   }
   ThinLayer worst;
   Preparation known;
+  const std::vector<Material> materials = materialsOf(scene);
   for (std::size_t m = 0; m < count; ++m) {
     const double volume = shares.volume[m];
     const std::vector<double>& taken = shares.taken[m];
@@ -127,7 +128,7 @@ ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std:
       if (taken[o] > 0)
         known.missed_shares.push_back({0, static_cast<int>(m), static_cast<int>(o), 0, taken[o] / volume});
     const double before = worst.error;
-    worst.error = layerError(known, materialsOf(scene));
+    worst.error = layerError(known, materials);
     if (worst.error > before) worst.material = static_cast<int>(m);
   }
   worst.missed = std::move(known.missed_shares);

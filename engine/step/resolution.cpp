@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "scene/scene_messages.h"
+#include "step/rim_force.h"
 #include "step/tool_bodies.h"
 #include "step/tool_contact.h"
 
@@ -191,6 +192,7 @@ double ResolutionWatch::localShare(int by) const {
 
 /// What is known of all that presses now, and of the worst of it; where nothing does, of what did last.
 void ResolutionWatch::tell(const Model& model, const State& state, const PressList& presses, StepReport& report) const {
+  const double of_layers = layerError(model, state.live.kernel.materials);
   Known worst;
   for (std::size_t k = 0; k < presses.count; ++k) {
     const Press& press = presses.press[k];
@@ -202,7 +204,7 @@ void ResolutionWatch::tell(const Model& model, const State& state, const PressLi
       const double narrow = localShare(press.by) * narrowError(model, state.live.kernel.materials[m], press);
       if (narrow > known.error) known = {narrow, press.force};
     }
-    known.error = std::max(known.error, layerError(model, state.live.kernel.materials));
+    known.error = std::max(known.error, of_layers);
     if (press.isTool()) {
       const double rim = rimForce(model, state, static_cast<int>(press.tool()));
       addForce(rim / std::max(press.force, known.force), rim, known.error, known.force);
@@ -217,7 +219,7 @@ void ResolutionWatch::tell(const Model& model, const State& state, const PressLi
     worst = known_[max_pressers];
     for (std::size_t p = 0; p < max_pressers; ++p)
       if (known_[p].error > worst.error) worst = known_[p], report.error_by = static_cast<int>(p);
-    worst.error = worst.force > 0 ? std::max(worst.error, layerError(model, state.live.kernel.materials)) : 1;
+    worst.error = worst.force > 0 ? std::max(worst.error, of_layers) : 1;
   }
   report.expected_error = worst.error;
   report.error_force = worst.force;
@@ -346,9 +348,8 @@ void addLast(const Model& model, const State& state, const StepReport& report, d
                                          {state.tool.begin(), state.tool.end()});
   if (!std::isfinite(error)) return;
   const bool touches = presses.count > 0;
-  if (touches && presses.press[0].isTool())
-    error =
-        std::hypot(error, rimForce(model, state, static_cast<int>(presses.press[0].tool())) / presses.press[0].force);
+  error = std::hypot(error, rimShare<float>(model, state.contact, {state.tool.begin(), state.tool.end()},
+                                            state.u.data(), report.loads));
   double force = touches ? 0 : largestForce(report);
   for (std::size_t k = 0; k < presses.count; ++k) force = std::max(force, presses.press[k].force);
   trust.add(doubtOfError(error), error, force, time, touches ? presses.press[0].by : -1);

@@ -160,7 +160,7 @@ Vec3 heldBack(const Model& model, int tool, const ToolPosture& from, const Vec3&
 
 ToolPosture RigidStop::of(const Model& model, int tool, const ToolPosture& from, const ToolPosture& wanted) const {
   ToolPosture posture = wanted;
-  if (!model.held.empty()) {
+  if (!model.held.empty() && wanted.pose.position != from.pose.position) {
     const Vec3 move = wanted.pose.position - from.pose.position, free = heldBack(model, tool, from, move, shifts);
     if (free != move) posture.pose.position = from.pose.position + free;
   }

@@ -231,6 +231,16 @@ TEST_CASE("An equilibrium is one of a tool that came from outside, or there is n
   }
 }
 
+TEST_CASE("A tool behind what holds the body has no equilibrium there", "[simulation][sensitivity]") {
+  Scene scene = lumpScene();
+  scene.organs[0].size.z() = 0.008;  // a bonded layer, which a ball presses to the base
+  scene.tools[0].position.z() = 0.01;
+  scene.materials.resize(1);
+  const Model model = test::blockModel(scene);
+  EquilibriumSensitivity body(model, 1);
+  CHECK_THROWS_WITH(body.settle(pressed(model, 0.0075)), Catch::Contains("can't come there"));
+}
+
 TEST_CASE("What points of stretched faces would bear is in the error to expect", "[simulation][sensitivity][whole]") {
   Scene scene = lumpScene();
   scene.tools[0].shape.radius = 0.005;

@@ -63,8 +63,8 @@ struct DeviceReport {
 class DeviceCoupling {
  public:
   static constexpr double silent_seconds = 0.010;  // of a device that is quick enough
-  static constexpr double slowest_period = 0.020;  // s; slower ones are silent
-  static constexpr double calm_seconds = 1.0;      // without force in air: what was given is forgotten
+  static constexpr double slowest_period = 0.020;  // s; slower, and a hand would be told of its fall after 0.1 s
+  static constexpr double calm_seconds = 1.0;      // without force in air: what was given is forgotten (README.md)
   static constexpr double fade_seconds = 0.040;
   static constexpr double felt_lacking = 0.2;      // a share of its force, that a hand notices
   static constexpr double slack_seconds = 0.1;     // in which a slip goes, to 1/e

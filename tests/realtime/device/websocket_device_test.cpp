@@ -51,6 +51,11 @@ class FakeService {
       R"("cursor_velocity":{"x":0.1,"y":0,"z":-0.1}}}],"wireless_verse_grip":[{"device_id":"1",)"
       R"("state":{"orientation":{"w":0,"x":0,"y":0,"z":1},"buttons":{"a":true,"b":false,"c":true}}}]})";
 
+  // The grip is off.
+  static constexpr const char* answer =
+      R"({"inverse3":[{"device_id":"049D","state":{"cursor_position":{"x":0.01,"y":-0.02,"z":0.04}}}],)"
+      R"("wireless_verse_grip":[{"device_id":"1","state":{"orientation":{"w":0,"x":0,"y":0,"z":0},"buttons":null}}]})";
+
   static inline const std::string going_away{"\x03\xe9", 2};  // 1001
 
   void serve() {
@@ -107,7 +112,7 @@ class FakeService {
         send(client, websocketFrame({WebsocketFrame::Kind::Close, going_away}, {}));
       } else if (opcode == 0x1) {
         commands.push_back(text);
-        send(client, websocketFrame({WebsocketFrame::Kind::Text, state}, {}));
+        send(client, websocketFrame({WebsocketFrame::Kind::Text, answer}, {}));
       }
     }
   }
@@ -174,6 +179,10 @@ TEST_CASE("A service's state becomes a pose, and the force its command", "[devic
     device.write(1, wrench);
     REQUIRE(receives(device, pose));  // the answer
     CHECK(pose.sequence == first + 1);
+    CHECK(pose.pose.position.z() == 0.04);
+    CHECK(pose.pose.orientation.coeffs() == Quat(0, 0, 0, 1).coeffs());  // as the hand held it
+    CHECK(pose.buttons == 0);
+    CHECK(device.refusedCount() == 1);
     CHECK(device.connected());
   }
   service.join();

@@ -124,8 +124,10 @@ struct Task {
     const double from = at(static_cast<double>(load_step - 1)), to = at(static_cast<double>(load_step));
     const ToolsAt before = toolsAt(from), after = toolsAt(to);
     double pieces = 1;
-    for (std::size_t t = 0; hasFriction(model.scene) && t < static_cast<std::size_t>(after.count); ++t) {
-      const double way = (after.posture[t].pose.position - before.posture[t].pose.position).norm() + bodysWay(from, to);
+    const std::size_t rubbing = hasFriction(model.scene) ? static_cast<std::size_t>(after.count) : 0;
+    const double of_body = rubbing > 0 ? bodysWay(from, to) : 0;
+    for (std::size_t t = 0; t < rubbing; ++t) {
+      const double way = (after.posture[t].pose.position - before.posture[t].pose.position).norm() + of_body;
       pieces = std::max(pieces, std::ceil(way / (longest * model.scene.tools[t].shape.radius) - 1e-9));
     }
     std::vector<double> times;
