@@ -233,12 +233,12 @@ TEST_CASE("An equilibrium is one of a tool that came from outside, or there is n
 
 TEST_CASE("A tool behind what holds the body has no equilibrium there", "[simulation][sensitivity]") {
   Scene scene = lumpScene();
-  scene.organs[0].size.z() = 0.008;  // a bonded layer, which a ball presses to the base
-  scene.tools[0].position.z() = 0.01;
-  scene.materials.resize(1);
+  scene.boundaries[0].region.point.z() = 0.012;  // up to 6 mm below the skin
+  scene.boundaries[0].region.distance = 0.0121;
   const Model model = test::blockModel(scene);
   EquilibriumSensitivity body(model, 1);
-  CHECK_THROWS_WITH(body.settle(pressed(model, 0.0075)), Catch::Contains("can't come there"));
+  CHECK_NOTHROW(body.settle(pressed(model)));
+  CHECK_THROWS_WITH(body.settle(pressed(model, 0.006)), Catch::Contains("can't come there"));
 }
 
 TEST_CASE("What points of stretched faces would bear is in the error to expect", "[simulation][sensitivity][whole]") {
