@@ -233,6 +233,7 @@ TEST_CASE("An equilibrium is one of a tool that came from outside, or there is n
 
 TEST_CASE("A tool behind what holds the body has no equilibrium there", "[simulation][sensitivity]") {
   Scene scene = lumpScene();
+  scene.discretization.spacing = 0.006;
   scene.boundaries[0].region.point.z() = 0.012;  // up to 6 mm below the skin
   scene.boundaries[0].region.distance = 0.0121;
   const Model model = test::blockModel(scene);
