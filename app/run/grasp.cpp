@@ -20,7 +20,7 @@ std::vector<Request> Grasp::next(const Snapshot& snapshot, ToolHand& hand) {
     done_ = true;
     return hand.raise(lift, lifting_speed);
   }
-  return {hand.open(std::max(0.0, begin_opening_ - closing_speed * (now - begin_s_)))};
+  return {hand.open(std::max(0.0, begin_opening_ - jaw_speed * (now - begin_s_)))};
 }
 
 }  // namespace palpate::app

@@ -4,6 +4,7 @@
 
 #include "app/run/tool_hand.h"
 #include "realtime/channels/snapshot.h"
+#include "realtime/loop/tool_motion.h"
 
 namespace palpate::app {
 
@@ -11,9 +12,9 @@ namespace palpate::app {
 /// (the tool's grip_force), or are shut. By the run's time; belongs to the main thread.
 class Grasp {
  public:
-  static constexpr double closing_speed = 0.01, lifting_speed = 0.015;  // m/s
-  static constexpr double lift = 0.02;                                  // m
-  static constexpr double still_seconds = 0.4;                          // without closing: they hold
+  static constexpr double lifting_speed = 0.015;  // m/s
+  static constexpr double lift = 0.02;            // m
+  static constexpr double still_seconds = 0.4;    // without closing: they hold
 
   /// What the hand does now. @param snapshot  of a scene whose first tool has jaws
   std::vector<Request> next(const Snapshot& snapshot, ToolHand& hand);

@@ -27,7 +27,8 @@ double RattleWatch::see(const Vec3& way, const Vec3& force, double most, double 
   return stiffness_;
 }
 
-CoupledTool::CoupledTool(const Model& model) : tick_s_(1 / model.scene.dynamics.rate_hz) {
+CoupledTool::CoupledTool(const Model& model)
+    : tick_s_(1 / model.scene.dynamics.rate_hz), widest_(model.tools.first().start.opening) {
   const double R = model.scene.tools[0].shape.radius, area = std::numbers::pi * R * R;
   for (const Material& m : model.materials) {
     const double K = m.bulk_modulus, G = m.shear_modulus;
@@ -44,6 +45,7 @@ Pose CoupledTool::next(const State& state, const StepReport& last) {
   const DeviceTarget& target = targets_.latest();
   if (!target.engaged) return state.tool[0].pose;
   sequence_ = target.sequence;
+  moveJaws(target.closes, state.tool[0].opening);
   const bool touches = !last.tool_force.isZero(0);
   hold_ = touches ? 1 : std::max(0.0, hold_ - tick_s_ / kReleaseSeconds);
   if (touches) normal_ = last.contact_normal.isZero(0) ? last.tool_force.normalized() : last.contact_normal;
@@ -81,6 +83,14 @@ Quat CoupledTool::turned(const DeviceTarget& target, const State& state, const S
                     target.turning_damping * target.turning + last.tool_torque;
   const double spring = target.turning_stiffness + target.turning_damping / tick_s_;
   return (turnedBy(push / (spring + hold_ * std::max(turning_hold_, rattle))) * q).normalized();
+}
+
+/// They open from where tissue has held them apart, if that is wider than where they were to be.
+void CoupledTool::moveJaws(bool closes, double present) {
+  if (opening_ < 0 && !closes) return;
+  if (opening_ < 0) opening_ = present;
+  const double way = jaw_speed * tick_s_;
+  opening_ = closes ? std::max(0.0, opening_ - way) : std::min(widest_, std::max(opening_, present) + way);
 }
 
 void CoupledTool::remember(const State& state, const StepReport& last) {

@@ -55,10 +55,13 @@ class CoupledTool final : public ToolMotion {
   DeviceTargetSlot& targets() { return targets_; }
 
   Pose next(const State& state, const StepReport& last) override;
+  /// Jaws follow the device's button from when it is first pressed on.
+  double opening() const override { return opening_; }
   std::uint64_t poseSequence() const override { return sequence_; }
   /// The tissue was put back: a reset, an undo, a solution that was lost.
   void restart() override {
     hold_ = 0;
+    opening_ = -1;
     put_backs_.fetch_add(1, std::memory_order_relaxed);
   }
   /// (any thread) How often.
@@ -71,8 +74,11 @@ class CoupledTool final : public ToolMotion {
   DeviceTargetSlot targets_{DeviceTarget{}};
   Quat turned(const DeviceTarget& target, const State& state, const StepReport& last);
   void remember(const State& state, const StepReport& last);
+  void moveJaws(bool closes, double present);
 
   const double tick_s_;
+  const double widest_;                        // m, as far as jaws open
+  double opening_ = -1;                        // m, where jaws are to be; < 0: no button was pressed
   double normal_hold_ = 0, tangent_hold_ = 0;  // N/m
   double turning_hold_ = 0;                    // N m/rad
   double hold_ = 0;                            // share of them that is in force

@@ -10,7 +10,7 @@ namespace palpate {
 struct DevicePose {
   std::uint32_t sequence = 0;  // counts up from 1; the highest wins
   std::uint32_t felt = 0;      // sequence of the newest wrench that the device has applied; 0: it does not say
-  std::uint32_t buttons = 0;   // a bit each
+  std::uint32_t buttons = 0;   // a bit each; the lowest closes jaws
   std::int64_t sent_ns = 0;    // by the device's clock, whatever its zero
   Pose pose;                   // of the handle
   Vec3 velocity = Vec3::Zero();

@@ -10,6 +10,7 @@ namespace palpate {
 /// Where a device pulls the tool, and how hard: the loop's end of the coupling. In the scene's frame.
 struct DeviceTarget {
   bool engaged = false;  // else the tool stays where it is
+  bool closes = false;   // jaws: they close while this is so, else they open as far as they were
   Pose pose;
   Vec3 velocity = Vec3::Zero();  // m/s
   double stiffness = 0;          // N/m

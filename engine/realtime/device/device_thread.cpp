@@ -28,7 +28,9 @@ void DeviceLink::exchange(std::int64_t now, const ForceSample& tool) {
   const bool news = backend_.read(now, pose_);
   wrench_ = coupling_.update(now, news ? &pose_ : nullptr, tool, tool_.putBacks());
   backend_.write(now, wrench_);
-  tool_.targets().back() = coupling_.target();
+  DeviceTarget& target = tool_.targets().back();
+  target = coupling_.target();
+  target.closes = (pose_.buttons & 1) != 0;
   tool_.targets().publish();
 }
 

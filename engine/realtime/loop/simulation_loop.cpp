@@ -187,19 +187,24 @@ TickOutcome SimulationLoop::onTick(const LoopTime& time) {
 
 void SimulationLoop::onLate(const LateTick& late, const LoopTime& time) { reporter_.addLate(late, time, run_); }
 
+/// @param opening  m, of the first tool; < 0: as it is
+void SimulationLoop::openJaws(double opening) {
+  if (opening >= 0) further_.take(Request::setOpening(0, opening), command_);
+}
+
 /// One tick of the run: the input that takes effect before it, then the physics, unless frozen.
 bool SimulationLoop::advance() {
   while (const Request* due = track_.takeDue(run_.tick)) apply(*due, true);
   while (const Request* setting = track_.takeSetting(run_.tick, run_.frozen)) change(*setting);
   if (device_ != nullptr && !run_.frozen && !track_.drives(run_.tick)) {
     moveTool(Request::moveTool(device_->next(physics_.state(), reporter_.lastReport())), true);
+    openJaws(device_->opening());
     run_.pose_sequence = device_->poseSequence();
   }
   command_.tools[0].pose =
       track_.next(run_.tick, command_.tools[0].pose, physics_.state(), reporter_.lastReport(), run_.frozen);
   further_.next(run_.tick, command_);
-  if (const double open = track_.opening(run_.tick, run_.frozen); open >= 0)
-    further_.take(Request::setOpening(0, open), command_);
+  openJaws(track_.opening(run_.tick, run_.frozen));
   run_.hand = command_.tools[0].pose;
   run_.goal = track_.drives(run_.tick) ? run_.hand : track_.goal().pose();
   if (!run_.frozen && !step()) return false;

@@ -149,6 +149,7 @@ class SimulationLoop final : private LoopBody {
   bool followTool();
   void goToPlace(const PlaceIndex& index);
   void goOnAtPlace(bool swapped);
+  void openJaws(double opening);
   bool advance();  // false: quit() broke the tick off, which then never was
   bool step();     // likewise
   bool hasFolded(const StepReport& report);

@@ -6,6 +6,9 @@
 
 namespace palpate {
 
+/// m/s, of jaws that a button closes and opens.
+inline constexpr double jaw_speed = 0.01;
+
 /// Moves the tool from inside the loop, tick by tick: for runs too long to hold as a list of poses,
 /// and for motions that depend on what the tissue does. Must depend on nothing but the states seen so
 /// far, so that the run can be repeated. Called on the loop's thread: no allocation, no lock, no throw.

@@ -267,15 +267,15 @@ TEST_CASE("Grasp and lift closes the jaws until they hold, and then goes up", "[
     now.force.time_s = 0.1 * pictures;  // ten pictures a second
     for (const Request& request : grasp.next(now, hand)) {
       if (request.kind != Request::Kind::SetOpening) continue;
-      CHECK(request.value >= asked - 0.1 * Grasp::closing_speed - 1e-12);  // no faster than that
+      CHECK(request.value >= asked - 0.1 * jaw_speed - 1e-12);  // no faster than that
       asked = request.value;
       opening = std::max(held, request.value);
     }
   }
   CHECK(grasp.done());
   CHECK(asked < held);  // it squeezes on
-  CHECK(now.force.time_s > (0.012 - held) / Grasp::closing_speed);
-  CHECK(now.force.time_s < (0.012 - held) / Grasp::closing_speed + 2 * Grasp::still_seconds);
+  CHECK(now.force.time_s > (0.012 - held) / jaw_speed);
+  CHECK(now.force.time_s < (0.012 - held) / jaw_speed + 2 * Grasp::still_seconds);
   CHECK((hand.target().position - before - Vec3(0, 0, Grasp::lift)).norm() < 1e-12);
   CHECK(grasp.next(now, hand).empty());
 }

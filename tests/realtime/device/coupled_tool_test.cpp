@@ -9,6 +9,7 @@
 #include "step/step.h"
 #include "step/workspace.h"
 #include "support/small_scene.h"
+#include "support/strip_scene.h"
 
 using namespace palpate;
 using namespace palpate::test;
@@ -128,4 +129,38 @@ TEST_CASE("A device's run is recorded and replayed without the device, bit for b
   second.advanceHere(ticks);
   CHECK(again.stateHash() == physics.stateHash());
   CHECK(again.state().tool[0].pose.position == physics.state().tool[0].pose.position);
+}
+
+TEST_CASE("A device's button closes jaws while it is down - a replay has the same openings", "[device][tools]") {
+  const Model model = stripModel();
+  const ToolPosture start = model.tools.first().start;
+  const double step = jaw_speed / model.scene.dynamics.rate_hz;
+  TissuePhysics physics(model, 1), again(model, 1);
+  CoupledTool tool(model);
+  SimulationLoopOptions options;
+  options.device = &tool;
+  options.record = true;
+  SimulationLoop loop(model, physics, &physics.team(), options);
+  int ticks = 0;
+  const auto openingAfter = [&](bool closes, int more) {
+    for (int k = 0; k < more; ++k, ++ticks) {
+      tool.targets().back().closes = closes;
+      pull(tool, start.pose.position, 400);
+      loop.advanceHere(1);
+    }
+    return physics.state().tool[0].opening;
+  };
+  CHECK(openingAfter(false, 5) == start.opening);
+  CHECK(openingAfter(true, 60) == Approx(start.opening - 60 * step).epsilon(1e-9));
+  CHECK(openingAfter(false, 20) == Approx(start.opening - 40 * step).epsilon(1e-9));
+  CHECK(openingAfter(false, 60) == Approx(start.opening).epsilon(1e-9));
+  const double held = openingAfter(true, 800);
+  CHECK(held > 0.001);  // the strip is between them: no further
+  CHECK(loop.toolReadings().tool[0].pinch > 0.01);
+  CHECK(openingAfter(false, 5) > held + 3 * step);  // they open at once, from where they are
+  SimulationLoopOptions replay = limited(ticks);
+  replay.track = drain(loop.recorded());
+  SimulationLoop second(model, again, &again.team(), replay);
+  second.advanceHere(ticks);
+  CHECK(again.stateHash() == physics.stateHash());
 }
