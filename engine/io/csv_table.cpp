@@ -99,6 +99,8 @@ const std::vector<double>& CsvTable::operator[](const std::string& wanted) const
 CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from,
                       const std::function<bool(const std::string& name)>& needed) {
   const std::string bytes = readWholeFile(path, asked_from);
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))
+    throw InputError({path, 0, 0}, "a table in UTF-16", "save it as CSV in UTF-8");
   std::string_view rest = bytes;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);  // a byte-order mark
   CsvTable table;

@@ -240,6 +240,8 @@ TEST_CASE("What is no pose is left out and told - a client that sends nonsense i
     for (int k = 0; k < 8; ++k) bytes[50 + k] = static_cast<unsigned char>(sum >> (56 - 8 * k));
     client.socket->Send(bytes, header + body);
     CHECK(waitFor([&] { return bridge.says("a TRANSFORM of 46 bytes") && still(client); }));
+    CHECK(Client(bridge.port).isLetGo());
+    CHECK(waitFor([&] { return bridge.says("another client was refused") && still(client); }));
     std::string noise(4096, '\xff');
     client.socket->Send(noise.data(), static_cast<int>(noise.size()));
     CHECK(client.isLetGo());

@@ -69,6 +69,7 @@ TEST_CASE("Bad CSV tables are refused at their place", "[io][csv][refusal]") {
   CHECK_THAT(message("X,Y\n1,2m\n"), Contains("t.csv:2:3: \"2m\" is not a number"));
   CHECK_THAT(message("X,Y\n1,inf\n"), Contains("t.csv:2:3:") && Contains("not finite"));
   CHECK_THAT(message("X,Y\n1,1e999\n"), Contains("t.csv:2:3:") && Contains("beyond what a number can hold"));
+  CHECK_THAT(message("\xFF\xFEX"), Contains("t.csv: a table in UTF-16") && Contains("UTF-8"));
   CHECK_THAT(message("X\n\x1b[2J\n"), Contains("t.csv:2:1: \"?[2J\""));
   CHECK_THAT(refusal([&] { readCsvTable(folder.path("none.csv")); }), Contains("none.csv: the file does not exist"));
   CHECK_THAT(refusal([&] {

@@ -435,6 +435,10 @@ TEST_CASE("A file that is no force curve is refused with its place", "[identify]
                                   "depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,trust\n1,0,0,"
                                   "1,good\n2,0,3,4,good\n2,0,0,7,good\n3,0,0,7,good\n"
                                   "4,0,0,8,good\n5,0,0,9,good\n4,0,0,90,good\n"));
+  const MeasuredCurve signed_forces = readForceCurve(
+      folder.write("f.csv", "depth_m,force_N\n0.001,-0.1\n0.001,0.3\n0.002,-0.4\n0.003,-0.6\n0.004,-0.8\n0.005,-1\n"));
+  CHECK(signed_forces.force.front() == Approx(-0.1));  // noise about the touch keeps its sign
+  CHECK(signed_forces.force.back() == Approx(1));      // a push counts up, whatever the file's sign
   CHECK(curve.depth == std::vector<double>{1, 2, 3, 4, 5});
   CHECK(curve.force == std::vector<double>{1, 6, 7, 8, 9});
   CHECK(forceAt(curve, 0.5) == 0.5);

@@ -217,11 +217,34 @@ void checkPiercing(const Subject& s) {
   forPiercingPairs(s.surface, [&](int t, int other) -> bool {
     Box3 box;
     for (int v : s.surface.triangles[t]) box.extend(s.surface.vertices[v]);
-    throw InputError(s.facePlace(t),
-                     s.face(t) + " and face " + std::to_string(other + 1) + " pierce one another near " +
-                         text(box.center()),
-                     "unite overlapping parts (boolean union) or remove the self-intersection");
+    throw InputError(
+        s.facePlace(t),
+        s.face(t) + " and face " + std::to_string(other + 1) + " pierce one another near " + text(box.center()),
+        "unite overlapping parts (boolean union) or remove the self-intersection");
   });
+}
+
+/// How many other parts lie round a face of part p; one that lies on another part is refused, among the first
+/// ones.
+int partsAround(const Subject& s, const SurfaceParts& parts, const std::vector<SurfaceTree>& trees, int p) {
+  const int most_tries = std::max(1, 100 / parts.count);
+  int around = 0;
+  for (int t = 0, tries = 0; t < s.faceCount() && tries < most_tries; ++t) {
+    if (parts.part[t] != p) continue;
+    const auto& [a, b, c] = s.surface.triangles[t];
+    const Vec3 at = (s.surface.vertices[a] + s.surface.vertices[b] + s.surface.vertices[c]) / 3.0;
+    double sum = 0;
+    for (int other = 0; other < static_cast<int>(trees.size()); ++other) {
+      if (other == p) continue;
+      const double turns = trees[other].windingNumber(at);  // a half on its skin
+      if (std::abs(turns - std::round(turns)) > 0.25)
+        throw InputError(s.facePlace(t), s.face(t) + " lies on another part",
+                         "unite the parts (boolean union), or give each an [[organ]] of its own");
+      sum += std::round(turns);
+    }
+    if (tries++ == 0) around = static_cast<int>(sum);
+  }
+  return around;
 }
 
 void checkNesting(const Subject& s, const SurfaceParts& parts) {
@@ -233,25 +256,19 @@ void checkNesting(const Subject& s, const SurfaceParts& parts) {
     for (const TriangleSurface& piece : pieces) trees.emplace_back(piece);
   }
   for (int p = 0; p < parts.count; ++p) {
-    const int t = first[p];
-    const auto& [a, b, c] = s.surface.triangles[t];
-    const Vec3 at = (s.surface.vertices[a] + s.surface.vertices[b] + s.surface.vertices[c]) / 3.0;
-    double around = 0;
-    for (int other = 0; other < parts.count && parts.count > 1; ++other) {
-      if (other != p) around += std::round(trees[other].windingNumber(at));
-    }
+    const int around = partsAround(s, parts, trees, p), t = first[p];
     const bool outward = signedVolume(pieces[p]) > 0;
-    if (around < 0.5 && !outward) {
+    if (around <= 0 && !outward) {
       throw InputError(s.facePlace(t),
                        (parts.count == 1 ? std::string("the surface") : "the part with " + s.face(t)) +
                            " is inside out: its faces are clockwise seen from outside",
                        "reverse all of its faces (\"flip normals\")");
     }
-    if (around > 0.5 && outward) {
+    if (around > 0 && outward) {
       throw InputError(s.facePlace(t), "the part with " + s.face(t) + " lies inside another part",
                        "remove it, or flip its normals if it is a cavity");
     }
-    if (around > 1.5) {
+    if (around > 1) {
       throw InputError(s.facePlace(t), "the part with " + s.face(t) + " lies inside several other parts",
                        "unite the parts (boolean union)");
     }

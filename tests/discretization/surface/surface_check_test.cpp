@@ -141,6 +141,10 @@ TEST_CASE("Parts that cut one another, and bodies inside bodies, are refused", "
   CHECK_THAT(refused(s), Contains("cube.obj:213: the part with face 13 of 24 lies inside another part"));
 
   s = cube();
+  append(s, cube(), {1, 0, 0}, 1, false);  // beside it, with a common side
+  CHECK_THAT(refused(s), Contains("lies on another part") && Contains("[[organ]]"));
+
+  s = cube();
   append(s, cube(), {3, 0, 0}, 1, true);
   CHECK_THAT(refused(s), Contains("the part with face 13 of 24 is inside out"));
 }

@@ -64,14 +64,18 @@ std::vector<Row> rowsOf(const std::string& path) {
                      "force.csv");
   const bool is_vector = force->name == "force_raw_N_x";
   std::vector<Row> rows;
+  double pushed = 0;  // N m: which sign a push has in this file
   for (std::size_t r = 0; r < table.rowCount(); ++r) {
     const double first = table[force->name][r];
-    const double size =
-        is_vector ? Vec3(first, table["force_raw_N_y"][r], table["force_raw_N_z"][r]).norm() : std::abs(first);
+    const double size = is_vector ? Vec3(first, table["force_raw_N_y"][r], table["force_raw_N_z"][r]).norm() : first;
     const Row read{depth->scale * table[depth->name][r], force->scale * size,
                    table.find("time_s") < 0 ? 0 : table["time_s"][r]};
-    if (std::isfinite(read.depth) && std::isfinite(read.force)) rows.push_back(read);
+    if (!std::isfinite(read.depth) || !std::isfinite(read.force)) continue;
+    rows.push_back(read);
+    pushed += std::max(0.0, read.depth) * read.force;
   }
+  if (pushed < 0)
+    for (Row& row : rows) row.force = -row.force;
   return rows;
 }
 
