@@ -224,27 +224,26 @@ void checkPiercing(const Subject& s) {
   });
 }
 
-/// How many other parts lie round a face of part p; one that lies on another part is refused, among the first
-/// ones.
+/// How many other parts lie round part p, by the first of its faces that lies on none of them.
 int partsAround(const Subject& s, const SurfaceParts& parts, const std::vector<SurfaceTree>& trees, int p) {
   const int most_tries = std::max(1, 100 / parts.count);
-  int around = 0;
   for (int t = 0, tries = 0; t < s.faceCount() && tries < most_tries; ++t) {
     if (parts.part[t] != p) continue;
+    ++tries;
     const auto& [a, b, c] = s.surface.triangles[t];
-    const Vec3 at = (s.surface.vertices[a] + s.surface.vertices[b] + s.surface.vertices[c]) / 3.0;
-    double sum = 0;
-    for (int other = 0; other < static_cast<int>(trees.size()); ++other) {
+    const Vec3 &x = s.surface.vertices[a], &y = s.surface.vertices[b], &z = s.surface.vertices[c];
+    const Vec3 out = 1e-4 * (y - x).cross(z - x) / (y - x).norm();  // tiny beside the face
+    double around = 0;
+    bool touches = false;
+    for (int other = 0; other < static_cast<int>(trees.size()) && !touches; ++other) {
       if (other == p) continue;
-      const double turns = trees[other].windingNumber(at);  // a half on its skin
-      if (std::abs(turns - std::round(turns)) > 0.25)
-        throw InputError(s.facePlace(t), s.face(t) + " lies on another part",
-                         "unite the parts (boolean union), or give each an [[organ]] of its own");
-      sum += std::round(turns);
+      const double turns = std::round(trees[other].windingNumber((x + y + z) / 3 + out));
+      touches = turns != std::round(trees[other].windingNumber((x + y + z) / 3 - out));
+      around += turns;
     }
-    if (tries++ == 0) around = static_cast<int>(sum);
+    if (!touches) return static_cast<int>(around);
   }
-  return around;
+  return 0;
 }
 
 void checkNesting(const Subject& s, const SurfaceParts& parts) {

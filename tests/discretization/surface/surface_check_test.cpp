@@ -141,8 +141,8 @@ TEST_CASE("Parts that cut one another, and bodies inside bodies, are refused", "
   CHECK_THAT(refused(s), Contains("cube.obj:213: the part with face 13 of 24 lies inside another part"));
 
   s = cube();
-  append(s, cube(), {1, 0, 0}, 1, false);  // beside it, with a common side
-  CHECK_THAT(refused(s), Contains("lies on another part") && Contains("[[organ]]"));
+  append(s, cube(), {0, 0, 1}, 1, false);  // one stands on the other
+  CHECK_NOTHROW(checkSurface(s));
 
   s = cube();
   append(s, cube(), {3, 0, 0}, 1, true);
