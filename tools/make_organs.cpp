@@ -27,7 +27,7 @@ constexpr double kSmallestAngleDeg = 20;  // below it a triangle is a sliver
 TriangleSurface make(const Organ& organ) {
   // A grid a little finer than the triangles: they then only coarsen it.
   TriangleSurface surface = remesh(isosurface(organ, 0.8 * organ.edge_length), organ.field, organ.edge_length);
-  const double lowest = reportOn(surface).min.z();
+  const double lowest = boundingBox(surface).min().z();
   for (Vec3& x : surface.vertices) x.z() -= lowest;  // it lies on z = 0
   return surface;
 }

@@ -15,9 +15,7 @@ struct ReferenceCurve {
   std::vector<PlotPoint> curve;
 };
 
-/// Reads a CSV file: a header with a column of the depth (depth_m or depth_mm) and of the force (force_N, or the three
-/// of force.csv's raw force), or no header and two columns, mm and N. Throws InputError with file, line and what is
-/// wrong.
+/// Reads a CSV file (readForceRows). Throws InputError with file, line and what is wrong.
 ReferenceCurve readReferenceCurve(const std::string& file);
 
 /// F = 4/3 E / (1 - nu^2) sqrt(R) d^(3/2): a rigid sphere on an elastic half-space (Hertz 1882), for small depths.

@@ -97,7 +97,8 @@ const std::vector<double>& CsvTable::operator[](const std::string& wanted) const
 }
 
 CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from,
-                      const std::function<bool(const std::string& name)>& needed) {
+                      const std::function<bool(const std::string& name)>& needed,
+                      const std::vector<std::string>& unnamed) {
   const std::string bytes = readWholeFile(path, asked_from);
   if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))
     throw InputError({path, 0, 0}, "a table in UTF-16", "save it as CSV in UTF-8");
@@ -115,10 +116,17 @@ CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from,
     if (first == std::string_view::npos || line[first] == '#') continue;
     if (table.name.empty()) {
       separator = separatorOf(line);
-      readHeader(fieldsOf(line, separator, path, number), table);
-    } else {
-      readRow(fieldsOf(line, separator, path, number), separator, needed, table);
+      const bool named =
+          unnamed.empty() || line.find_first_of("0123456789", first) > line.find_first_not_of("+-.", first);
+      if (named) {
+        readHeader(fieldsOf(line, separator, path, number), table);
+        continue;
+      }
+      table.header = {path, number, 0};
+      table.name = unnamed;
+      table.column.resize(unnamed.size());
     }
+    readRow(fieldsOf(line, separator, path, number), separator, needed, table);
   }
   if (table.name.empty())
     throw InputError({path, 0, 0}, "an empty file", "the first line names the columns, like X,Y,Z");

@@ -31,9 +31,11 @@ struct CsvTable {
 /// where the names are; between semicolons numbers may have a decimal comma. Names may stand in double quotes. An empty
 /// field and `nan` are NaN; empty lines and lines that begin with # are passed over.
 /// @param needed  other columns are not read, but NaN; without it all are needed
+/// @param unnamed  of a file whose first line begins with a number: the names of its columns
 /// Throws InputError with file:line:column for anything else, and at `asked_from` (where another file
 /// names this one) where the file can't be read.
 CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from = {},
-                      const std::function<bool(const std::string& name)>& needed = {});
+                      const std::function<bool(const std::string& name)>& needed = {},
+                      const std::vector<std::string>& unnamed = {});
 
 }  // namespace palpate

@@ -2,11 +2,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/input_error.h"
 #include "support/temp_folder.h"
 
 using namespace palpate;
 using namespace palpate::app;
+using Catch::Contains;
 
 TEST_CASE("A reference is read with or without a header, in m or mm, and from force.csv", "[reference_curve]") {
   const TempFolder folder;
@@ -25,20 +25,16 @@ TEST_CASE("A reference is read with or without a header, in m or mm, and from fo
 
 TEST_CASE("What is no reference is refused with its place", "[reference_curve]") {
   const TempFolder folder;
-  const auto problem = [&](const std::string& text) -> std::string {
-    try {
-      readReferenceCurve(folder.write("x.csv", text));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+  const auto problem = [&](const std::string& text) {
+    return refusal([&] { readReferenceCurve(folder.write("x.csv", text)); });
   };
-  CHECK(problem("").find("fewer than two points") != std::string::npos);
-  CHECK(problem("time,N\n1,2\n").find("no column of the depth") != std::string::npos);
-  CHECK(problem("depth_mm,N\n1,2\n").find("no column of the force") != std::string::npos);
-  CHECK(problem("0,0\n1,x\n").find("x.csv:2: no number in column 2") != std::string::npos);
-  CHECK(problem("0,0\n1\n").find("no number in column 2") != std::string::npos);
-  CHECK(problem("0,0\n1,nan\n").find("no number") != std::string::npos);
+  CHECK_THAT(problem(""), Contains("an empty file"));
+  CHECK_THAT(problem("0,0\n"), Contains("fewer than two points"));
+  CHECK_THAT(problem("time,N\n1,2\n"), Contains("x.csv:1: there is no column depth_m"));
+  CHECK_THAT(problem("depth_mm,N\n1,2\n"), Contains("x.csv:1: there is no column force_N"));
+  CHECK_THAT(problem("0,0\n1,x\n"), Contains("x.csv:2:3: \"x\" is not a number"));
+  CHECK_THAT(problem("0,0\n1\n"), Contains("x.csv:2: 1 fields, but 2 columns"));
+  CHECK_THAT(problem("0,0,0\n"), Contains("x.csv:1: 3 fields, but 2 columns"));
 }
 
 TEST_CASE("Hertz's force is the closed form's, for a sphere on one material alone", "[reference_curve]") {

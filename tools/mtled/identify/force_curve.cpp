@@ -10,7 +10,7 @@
 #include "base/interrupt.h"
 #include "base/number_text.h"
 #include "base/printable_text.h"
-#include "io/csv_table.h"
+#include "io/force_rows.h"
 #include "setup/build_model.h"
 #include "step/resolution.h"
 #include "step/step.h"
@@ -23,64 +23,8 @@ namespace {
 constexpr double approach_speed = 0.05;  // m/s; slow enough that the touch is no blow
 constexpr std::size_t least_rows = 5;    // fewer tell nothing of a curve
 
-/// A column under one of its names, with what makes SI units of it.
-struct Column {
-  std::string name;
-  double scale = 1;
-};
-
-/// The first of the columns that a table has; none: null. Throws InputError where it has one in two units.
-const Column* columnOf(const CsvTable& table, const std::vector<Column>& columns) {
-  const auto found =
-      std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return table.find(c.name) >= 0; });
-  if (found == columns.end()) return nullptr;
-  const auto other = std::find_if(found + 1, columns.end(),
-                                  [&](const Column& c) { return c.scale != found->scale && table.find(c.name) >= 0; });
-  if (other != columns.end())
-    throw InputError(table.header, "columns " + found->name + " and " + other->name + " for the same",
-                     "leave one of them out");
-  return &*found;
-}
-
-/// A row of the file: where the tool was, and its force.
-struct Row {
-  double depth, force, time;
-};
-
-std::vector<Row> rowsOf(const std::string& path) {
-  const std::vector<Column> depths{{"advance_m"}, {"depth_m"}, {"depth_mm", 1e-3}},
-      forces{{"force_N"}, {"force_mN", 1e-3}, {"force_raw_N_x"}};
-  const std::vector<std::string> others{"force_raw_N_y", "force_raw_N_z", "time_s"};
-  const CsvTable table = readCsvTable(path, {}, [&](const std::string& name) {
-    const auto is = [&](const Column& c) { return lowerCase(c.name) == lowerCase(name); };
-    return std::any_of(depths.begin(), depths.end(), is) || std::any_of(forces.begin(), forces.end(), is) ||
-           std::any_of(others.begin(), others.end(), [&](const std::string& w) { return is({w}); });
-  });
-  const Column* const depth = columnOf(table, depths);
-  const Column* const force = columnOf(table, forces);
-  if (depth == nullptr || force == nullptr)
-    throw InputError(table.header, std::string("there is no column ") + (depth == nullptr ? "depth_m" : "force_N"),
-                     "a force curve has the columns depth_m (or depth_mm) and force_N (or force_mN), or is a run's "
-                     "force.csv");
-  const bool is_vector = force->name == "force_raw_N_x";
-  std::vector<Row> rows;
-  double pushed = 0;  // N m: which sign a push has in this file
-  for (std::size_t r = 0; r < table.rowCount(); ++r) {
-    const double first = table[force->name][r];
-    const double size = is_vector ? Vec3(first, table["force_raw_N_y"][r], table["force_raw_N_z"][r]).norm() : first;
-    const Row read{depth->scale * table[depth->name][r], force->scale * size,
-                   table.find("time_s") < 0 ? 0 : table["time_s"][r]};
-    if (!std::isfinite(read.depth) || !std::isfinite(read.force)) continue;
-    rows.push_back(read);
-    pushed += std::max(0.0, read.depth) * read.force;
-  }
-  if (pushed < 0)
-    for (Row& row : rows) row.force = -row.force;
-  return rows;
-}
-
 /// Rows of depths above 0 from `first` on, with the mean of those that are as deep.
-ForceCurve meanOf(std::vector<Row>::const_iterator first, std::vector<Row>::const_iterator last) {
+ForceCurve meanOf(std::vector<ForceRow>::const_iterator first, std::vector<ForceRow>::const_iterator last) {
   std::map<double, std::pair<double, int>> rows;  // depth -> sum of forces, how many
   for (auto row = first; row != last; ++row) {
     if (!(row->depth > 0)) continue;
@@ -98,7 +42,7 @@ ForceCurve meanOf(std::vector<Row>::const_iterator first, std::vector<Row>::cons
 
 /// By which share the force fell from the first of some rows to the last, at one depth: of the rows themselves, or of
 /// quarters of them; 0 where noise may do as much.
-double fallOf(std::vector<Row>::const_iterator first, std::vector<Row>::const_iterator end) {
+double fallOf(std::vector<ForceRow>::const_iterator first, std::vector<ForceRow>::const_iterator end) {
   constexpr double chance = 3;  // standard deviations
   const auto count = end - first;
   if (count < 3 || !(first->force > 0)) return 0;
@@ -106,7 +50,7 @@ double fallOf(std::vector<Row>::const_iterator first, std::vector<Row>::const_it
   for (auto row = first + 2; row != end; ++row)
     squares += std::pow(row->force - 2 * (row - 1)->force + (row - 2)->force, 2);
   const double noise = std::sqrt(squares / 6 / static_cast<double>(count - 2));
-  const auto mean = [](std::vector<Row>::const_iterator from, std::ptrdiff_t rows) {
+  const auto mean = [](std::vector<ForceRow>::const_iterator from, std::ptrdiff_t rows) {
     double sum = 0;
     for (auto row = from; row != from + rows; ++row) sum += row->force;
     return sum / static_cast<double>(rows);
@@ -121,8 +65,8 @@ double fallOf(std::vector<Row>::const_iterator first, std::vector<Row>::const_it
 
 /// How far the force came to lie from that on the way in (MeasuredCurve::change).
 /// @param left  the row that ends a hold, where the way out begins
-std::vector<double> changeOf(const MeasuredCurve& in, std::vector<Row>::const_iterator left,
-                             std::vector<Row>::const_iterator end) {
+std::vector<double> changeOf(const MeasuredCurve& in, std::vector<ForceRow>::const_iterator left,
+                             std::vector<ForceRow>::const_iterator end) {
   constexpr double backlash = 0.02;  // of the deepest: less than that is no way back in
   auto turned = left;
   for (double highest = in.deepest(); turned != end && turned->depth < highest + backlash * in.deepest(); ++turned)
@@ -143,7 +87,7 @@ std::vector<double> changeOf(const MeasuredCurve& in, std::vector<Row>::const_it
 
 /// s, when the tool was at depth 0: straight on between the rows beside it, or from the first two.
 /// @param touched  the first row of a depth above 0, of two at least
-double touchTime(std::vector<Row>::const_iterator begin, std::vector<Row>::const_iterator touched) {
+double touchTime(std::vector<ForceRow>::const_iterator begin, std::vector<ForceRow>::const_iterator touched) {
   const auto from = touched == begin ? touched : touched - 1, to = from + 1;
   const double way = to->depth - from->depth, time = to->time - from->time;
   return way > 0 ? from->time - time * from->depth / way : touched->time;
@@ -152,9 +96,9 @@ double touchTime(std::vector<Row>::const_iterator begin, std::vector<Row>::const
 }  // namespace
 
 MeasuredCurve readForceCurve(const std::string& path) {
-  const std::vector<Row> rows = rowsOf(path);
-  const auto deepest =
-      std::max_element(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.depth < b.depth; });
+  const std::vector<ForceRow> rows = readForceRows(path, true);
+  const auto deepest = std::max_element(rows.begin(), rows.end(),
+                                        [](const ForceRow& a, const ForceRow& b) { return a.depth < b.depth; });
   // A tool that is held moves by the noise of what measures it: the first row as deep as the deepest ends the way in.
   constexpr double as_deep = 0.995;
   auto arrived = rows.begin();
@@ -164,13 +108,13 @@ MeasuredCurve readForceCurve(const std::string& path) {
   if (curve.depth.size() < least_rows)
     throw InputError({path}, "only " + std::to_string(curve.depth.size()) + " rows on the way in have a depth above 0",
                      "give at least 5, in the order of time");
-  const auto touched = std::find_if(rows.begin(), arrived, [](const Row& row) { return row.depth > 0; });
+  const auto touched = std::find_if(rows.begin(), arrived, [](const ForceRow& row) { return row.depth > 0; });
   curve.seconds = std::max(0.0, arrived->time - touchTime(rows.begin(), touched));
   constexpr double held_share = 0.99;  // of the deepest: the tool is held
   const auto left =
-      std::find_if(arrived, rows.end(), [&](const Row& row) { return row.depth < held_share * arrived->depth; });
+      std::find_if(arrived, rows.end(), [&](const ForceRow& row) { return row.depth < held_share * arrived->depth; });
   const auto held =
-      std::find_if(arrived, left, [&](const Row& row) { return row.time > arrived->time + longest_press; });
+      std::find_if(arrived, left, [&](const ForceRow& row) { return row.time > arrived->time + longest_press; });
   curve.fall = fallOf(arrived, held);
   curve.held_seconds = (held - 1)->time - arrived->time;
   curve.change = changeOf(curve, left, rows.end());
