@@ -2,9 +2,11 @@
 
 #include <cstddef>
 #include <fstream>
+#include <ostream>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "io/output_file.h"
@@ -42,5 +44,14 @@ class ResultCsv {
 
 /// A text as a field: in quotes, its own doubled.
 std::string csvQuoted(std::string_view text);
+
+/// A field of a CSV file: text as csvQuoted has it.
+template <class Value>
+std::ostream& putCsv(std::ostream& out, const Value& value) {
+  if constexpr (std::is_convertible_v<Value, std::string_view>)
+    return out << csvQuoted(value);
+  else
+    return out << value;
+}
 
 }  // namespace palpate

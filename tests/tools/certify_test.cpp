@@ -104,7 +104,6 @@ input = "script:deep.toml"
   const ToolTrajectory way = scriptedTrajectory(model);
   CHECK(way.back()[0].pose.position.x() == Approx(-0.028));
   CHECK(way.back()[1].pose.position.x() == Approx(0.026));
-  REQUIRE(forcesOf(model) == 2);
   const ScriptedRun run = runTrajectory(model, way, {}, 1), in_double = runTrajectory(model, way, {}, 1, true);
   REQUIRE(run.force.size() == 2 * way.size());
   CHECK(run.force.back().x() > 1.5 * std::abs(run.force[run.force.size() - 2].x()));
@@ -131,7 +130,6 @@ input = "script:close.toml"
 )")));
   const ToolTrajectory way = scriptedTrajectory(model);
   CHECK(way.back()[0].opening == Approx(0.054));
-  REQUIRE(forcesOf(model) == 2);
   const ScriptedRun run = runTrajectory(model, way, {}, 1);
   REQUIRE(run.sound());
   const double pinch = run.force.back().x();

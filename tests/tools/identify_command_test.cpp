@@ -408,7 +408,7 @@ TEST_CASE("A narrow, bent valley is gone along to its end, and a step that is on
   };
   for (const std::vector<double>& start : {std::vector<double>{20, 3}, {2, 0.3}, {8, 0.6}, {0.4, 9}}) {
     const Identified found = identify({{"a", above(0), start[0]}, {"b", above(0), start[1]}}, valley);
-    INFO(found.value[0] << " " << found.value[1] << " after " << found.evaluations);
+    INFO(found.value[0] << " " << found.value[1]);
     const bool right = std::abs(found.value[0] - 2) < 0.01 && std::abs(found.value[1] - 3) < 0.01;
     CHECK(found.converged == right);
     CHECK((right || start[0] == 8 || start[0] == 0.4));  // from far along the valley the way is long

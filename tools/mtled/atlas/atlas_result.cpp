@@ -20,10 +20,9 @@ bool doubtedBefore(const AtlasMeasure& m, double time) { return m.doubt_at < tim
 
 bool isWrong(const AtlasMeasure& m) { return !m.compared.empty() && !(std::abs(m.deviation) <= m.bound); }
 
-/// Every field of what was measured with its name in the file.
+/// Every field of what was measured, but why it was refused, with its name in the file.
 template <class Measure, class Each>
 void eachField(Measure& m, Each each) {
-  each("refused", m.refused);
   each("nodes", m.nodes);
   each("points", m.points);
   each("steps", m.steps);
@@ -113,18 +112,15 @@ void printAtlas(std::ostream& out, const Atlas& atlas) {
 std::string csvOf(const Atlas& atlas) {
   std::ostringstream out;
   out.precision(9);
-  out << "axis,cell,value,outcome,nodes,points,steps,doubt,doubt_at_s,doubted_for_s,loss,lost_at_s,restored,energy_"
-         "error,step_"
-         "share,min_J,energy_growth,compared,"
-         "deviation,bound,doubted_then,wall_s,how_much\n";
+  out << "axis,cell,value,outcome,";
+  AtlasMeasure none;
+  eachField(none, [&](const char* name, const auto&) { out << name << ','; });
+  out << "wall_s,how_much\n";
   for (const auto& r : atlas.rows) {
-    const AtlasMeasure& m = r.measure;
     out << csvQuoted(r.axis) << ',' << csvQuoted(r.name) << ',' << csvQuoted(r.value) << ','
-        << outcomeName(outcomeOf(m)) << ',' << m.nodes << ',' << m.points << ',' << m.steps << ',' << m.doubt << ','
-        << m.doubt_at << ',' << m.doubted_for << ',' << csvQuoted(m.loss) << ',' << m.lost_at << ',' << m.restored
-        << ',' << m.energy_error << ',' << m.step_share << ',' << m.min_J << ',' << m.growth << ','
-        << csvQuoted(m.compared) << ',' << m.deviation << ',' << m.bound << ',' << m.doubted_then << ',' << r.seconds
-        << ',' << csvQuoted(howMuch(m)) << '\n';
+        << outcomeName(outcomeOf(r.measure)) << ',';
+    eachField(r.measure, [&](const char*, const auto& value) { putCsv(out, value) << ','; });
+    out << r.seconds << ',' << csvQuoted(howMuch(r.measure)) << '\n';
   }
   return out.str();
 }
@@ -133,6 +129,7 @@ std::string jsonOf(const Atlas& atlas) {
   Json rows = Json::array();
   for (const auto& r : atlas.rows) {
     Json j = {{"axis", r.axis}, {"cell", r.name}, {"value", r.value}, {"outcome", outcomeName(outcomeOf(r.measure))}};
+    j["refused"] = r.measure.refused;
     eachField(r.measure, [&](const char* name, const auto& value) { j[name] = value; });
     j["wall_s"] = r.seconds;
     j["how_much"] = howMuch(r.measure);
@@ -149,6 +146,7 @@ Atlas atlasFromJson(const std::string& text) {
     for (const Json& j : json.at("rows")) {
       AtlasRow r{j.at("axis"), j.at("cell"), j.at("value"), {}, 0};
       readJson(j.at("wall_s"), r.seconds);
+      r.measure.refused = j.at("refused");
       eachField(r.measure, [&](const char* name, auto& value) { readJson(j.at(name), value); });
       atlas.rows.push_back(std::move(r));
     }

@@ -10,6 +10,7 @@
 #include "mtled/bench/bench_kernels.h"
 #include "mtled/bench/timing.h"
 #include "mtled/run/progress.h"
+#include "mtled/run/scripted_run.h"
 #include "realtime/loop/thread_setup.h"
 #include "step/step.h"
 #include "step/workspace.h"
@@ -18,15 +19,6 @@ namespace palpate::tools {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-double relativeError(const std::vector<Vec3>& f, const std::vector<Vec3>& exact) {
-  double error = 0, norm = 0;
-  for (std::size_t i = 0; i < exact.size(); ++i) {
-    error += (f[i] - exact[i]).squaredNorm();
-    norm += exact[i].squaredNorm();
-  }
-  return std::sqrt(error / norm);
-}
 
 std::vector<Vec3> exactForces(const Model& model, const std::vector<Vec3>& u, bool patches) {
   std::vector<Vec3> f;
@@ -69,7 +61,7 @@ void benchForces(const Model& model, const std::vector<Ceilings>& ceilings, Team
       row.precision = kernel.precision;
       row.instruction_set = nameOf(kernel.set);
       row.threads = teams[t]->size();
-      row.force_error = relativeError(kernel.forces(), exact[kernel.patches ? 1 : 0]);
+      row.force_error = relativeL2(kernel.forces(), exact[kernel.patches ? 1 : 0]);
       if (!std::isfinite(row.force_error)) row.force_error = std::numeric_limits<double>::infinity();
       row.error_limit = kernel.error_limit;
       result.rows.push_back(row);

@@ -198,7 +198,7 @@ DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial) {
   DeviceResult result;
   std::vector<Vec3> steady;
   Rest rest;
-  double before = 0, dragged = 0, moved = 0, before_gap = 0, low = -1, high = 1;
+  double before = 0, dragged = 0, moved = 0, before_gap = 0;
   Vec3 handle = run.device().handle();
   while (run.seconds() < trial.seconds) {
     const double t = run.seconds(), since = t - kSilent;
@@ -211,9 +211,7 @@ DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial) {
     run.advance(gaps(trial.stalls));
     if (t >= kGapsFrom && t < kGapsFrom + kGapEvery * std::max(trial.dropouts, trial.stalls))
       result.dropout_J = std::max(result.dropout_J, run.device().work() - before_gap);
-    const double deep = run.device().handle().dot(down);
     result.pull = std::max(result.pull, run.device().force().dot(down));
-    if (t > trial.seconds - 1) low = std::max(low, deep), high = std::min(high, deep);
     const Vec3& force = run.link().wrench().force;
     result.peak_force = std::max(result.peak_force, force.norm());
     const Vec3 v = (run.device().handle() - handle) / (1e-9 * kDeviceNs);
@@ -242,7 +240,6 @@ DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial) {
   result.lowest_energy_J = report.lowest_energy_J;
   result.damped_J = report.damped_J;
   result.peak_torque = report.peak_torque;
-  result.sway = std::max(0.0, low - high);
   result.coupling_stiffness = report.stiffness;
   if (moved > 0) result.drag = dragged / moved;
   result.latency_ticks = run.latency_ticks;

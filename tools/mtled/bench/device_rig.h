@@ -35,7 +35,6 @@ struct DeviceResult {
   double given_J = 0;          // the most that the motors had given to the handle in all, at any time
   double dropout_J = 0;        // the most that they gave in the half second from before a dropout or stall
   double pull = 0;             // N, the most that they pulled it towards the tissue
-  double sway = 0;             // m, that the handle went up and down in the last second
   double peak_torque = 0;      // N m
   double static_error = -1;    // |force at the handle - force on the tool| over the latter, at rest; -1: not measured
   double static_force = 0;     // N, on the tool, at rest

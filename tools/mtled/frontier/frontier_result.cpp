@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <sstream>
+#include <utility>
 
 #include "base/number_text.h"
 #include "io/result_csv.h"
@@ -78,14 +79,15 @@ void printFrontier(std::ostream& out, const Frontier& f) {
 std::string csvOf(const Frontier& f) {
   std::ostringstream out;
   out.precision(9);
-  out << "group,name,nodes,points,substeps,threads,dt_s,setup_s,us_per_ms,tick_p50_us,tick_p999_us,realtime_factor,"
-         "force_error,"
-         "displacement_error,peak_force_N,min_J,trouble\n";
-  for (const auto& r : f.rows)
-    out << csvQuoted(r.group) << ',' << csvQuoted(r.name) << ',' << r.nodes << ',' << r.points << ',' << r.substeps
-        << ',' << r.threads << ',' << r.dt << ',' << r.setup_seconds << ',' << r.cost.us_per_ms << ','
-        << r.cost.tick_p50 << ',' << r.cost.tick_p999 << ',' << r.realtime_factor << ',' << r.error.force << ','
-        << r.error.displacement << ',' << r.peak_force << ',' << r.min_J << ',' << csvQuoted(r.trouble) << '\n';
+  const char* separator = "";
+  FrontierRow none;
+  eachField(none, [&](const char* name, const auto&) { out << std::exchange(separator, ",") << name; });
+  out << '\n';
+  for (const auto& r : f.rows) {
+    separator = "";
+    eachField(r, [&](const char*, const auto& value) { putCsv(out << std::exchange(separator, ","), value); });
+    out << '\n';
+  }
   return out.str();
 }
 

@@ -125,7 +125,6 @@ Identified identify(const std::vector<SoughtParameter>& sought,
     return values;
   };
   const auto evaluate = [&](const VectorXd& at) {
-    ++result.evaluations;
     const std::vector<double> r = residuals(valuesAt(at));
     return VectorXd(Eigen::Map<const VectorXd>(r.data(), static_cast<Eigen::Index>(r.size())));
   };

@@ -37,7 +37,6 @@ struct Identified {
   std::vector<double> value, low, high;  // (parameter_count) with the ends of the 95 % confidence interval
   double misfit = 0;                     // root mean square of the residuals, in their unit
   double structure = 0;                  // of it, what follows from row to row and so is no noise; 0: none is told
-  int evaluations = 0;
   bool converged = false;
   bool told_apart = true;  // false: other values together fit as well, and the intervals say little
 

@@ -120,12 +120,6 @@ ToolTrajectory scriptedTrajectory(const Model& model, const std::optional<ToolSc
   return way;
 }
 
-std::size_t forcesOf(const Model& model) {
-  std::size_t count = 0;
-  for (const ToolSetUp& tool : model.tools.tool) count += tool.jaws ? 2 : 1;
-  return count;
-}
-
 bool ScriptedRun::sound() const {
   return !force.empty() && !interrupted && (flags & (kNotFinite | kBlowUp | kInvertedPoints)) == 0;
 }
@@ -173,6 +167,15 @@ ScriptedRun runTrajectory(const Model& model, const ToolTrajectory& way, const s
 
 std::vector<Vec3> displacementAt(const Model& model, const std::vector<Vec3>& probes, const State& state) {
   return fieldAt(probeShape(model, probes), inDouble(state.u));
+}
+
+double relativeL2(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference) {
+  double difference = 0, size = 0;
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    difference += (computed[k] - reference[k]).squaredNorm();
+    size += reference[k].squaredNorm();
+  }
+  return std::sqrt(difference / size);
 }
 
 RunError errorOf(const ScriptedRun& run, const ScriptedRun& better) {

@@ -24,12 +24,10 @@ ToolTrajectory scriptedTrajectory(const Model& model, const std::optional<ToolSc
 /// The first tool's way; the others stand where they start.
 ToolTrajectory othersStand(const std::vector<ToolPosture>& first, const Model& model);
 
-/// How many forces a tick of a run comes to: one on each tool, and one more of jaws, (pinch, 0, 0).
-std::size_t forcesOf(const Model& model);
-
 /// A model's answer to its tools' ways, and what it took.
 struct ScriptedRun {
-  std::vector<Vec3> force;      // (tick_count x forcesOf(model)) N, raw, at the end of each tick
+  std::vector<Vec3>
+      force;  // (tick_count x per tool its force, of jaws also (pinch, 0, 0)) N, raw, at the end of a tick
   std::vector<Vec3> probe_u;    // (probe_count) m, at the end
   std::vector<double> tick_us;  // (tick_count) computing time of each tick
   float min_J = 1;
@@ -75,6 +73,9 @@ struct RunError {
   double displacement = 0;  // root mean square over the probes at the end, over the largest there
 };
 RunError errorOf(const ScriptedRun& run, const ScriptedRun& better);
+
+/// sqrt(sum |computed - reference|^2 / sum |reference|^2)
+double relativeL2(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference);
 
 /// Computing time of a run, us: mean per millisecond of physics, median and 99.9th percentile of a tick.
 struct RunCost {

@@ -10,6 +10,7 @@
 #include "imaging/isosurface.h"
 #include "imaging/mask_filter.h"
 #include "imaging/remesh.h"
+#include "mtled/scan/slices.h"
 
 namespace palpate::tools {
 namespace {
@@ -72,13 +73,7 @@ MaskSurface surfaceOf(const Mask& mask, double edge, double smoothing) {
   const double margin = 3 * edge + 4 * smoothing;
   const Mask near = croppedTo(mask, margin);
   const double volume = static_cast<double>(countOf(near)) * near.grid.voxelVolume();
-  Box3 box;
-  for (int k = 0; k < near.grid.size[2]; ++k)
-    for (int j = 0; j < near.grid.size[1]; ++j)
-      for (int i = 0; i < near.grid.size[0]; ++i)
-        if (near(i, j, k)) box.extend(near.grid.worldOf(i, j, k));
-  box.min().array() -= 3 * edge;
-  box.max().array() += 3 * edge;
+  const Box3 box = boxOf(near, 3 * edge);
   const Image border = signedDistance(near);
   std::string problem;
   for (int attempt = 0; attempt < 3; ++attempt, smoothing *= 2) {

@@ -143,15 +143,6 @@ Vec3 nrmse(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference
   return (sum / static_cast<double>(reference.size())).cwiseSqrt().cwiseQuotient(high - low);
 }
 
-double relativeL2(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference) {
-  double difference = 0, size = 0;
-  for (std::size_t k = 0; k < reference.size(); ++k) {
-    difference += (computed[k] - reference[k]).squaredNorm();
-    size += reference[k].squaredNorm();
-  }
-  return std::sqrt(difference / size);
-}
-
 double interpolated(const std::vector<double>& at, const std::vector<double>& value, double x) {
   const auto after = std::lower_bound(at.begin(), at.end(), x);
   if (after == at.end() || (after == at.begin() && x < at.front())) return NAN;

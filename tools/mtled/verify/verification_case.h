@@ -92,9 +92,6 @@ std::vector<double> evenTimes(int n);
 /// The paper's normalised root mean square error, by component: rms difference over the reference's range.
 Vec3 nrmse(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference);
 
-/// sqrt(sum |computed - reference|^2 / sum |reference|^2)
-double relativeL2(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference);
-
 /// A reference's value at x, linear between its rows; NaN outside.
 double interpolated(const std::vector<double>& at, const std::vector<double>& value, double x);
 

@@ -3,6 +3,7 @@
 
 #include "base/number_text.h"
 #include "io/probes_file.h"
+#include "mtled/run/scripted_run.h"
 #include "mtled/verify/cases/cases.h"
 
 namespace palpate::tools {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "io/probes_file.h"
+#include "mtled/run/scripted_run.h"
 #include "mtled/verify/cases/cases.h"
 
 namespace palpate::tools {

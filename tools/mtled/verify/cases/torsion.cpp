@@ -194,7 +194,7 @@ CaseResult flexureCase(const CaseContext& context) {
   result.text =
       "Block 10 x 30 x 10 mm; one end on a plane of symmetry, the other turned by 90 degrees and free to slide in its "
       "plane; mu 1000 Pa, "
-      "nu 0.499. EBCIEM. (Cook's membrane needs surface loads, which this program has none of.)";
+      "nu 0.499. EBCIEM.";
   const Ring ring;
   const double moment = ring.moment;
   std::vector<double> spacings{1.9e-3};
