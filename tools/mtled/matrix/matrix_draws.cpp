@@ -74,11 +74,6 @@ void addTissue(Scene& scene, const DrawnTissue& tissue, const Region& region) {
   scene.materials.push_back(spec);
 }
 
-void moveEvenly(BoundarySpec& boundary) {
-  boundary.duration = 1;
-  boundary.curve.kind = LoadCurve::Kind::Linear;
-}
-
 std::string textOf(const DrawnTissue& tissue) {
   return std::string(tissue.material.lawDescription().name) + format(", nu %.3g", tissue.poisson);
 }

@@ -31,9 +31,6 @@ Scene drawScene(Lot& lot, const DrawnTissue& tissue);
 /// Another tissue in a part of it.
 void addTissue(Scene& scene, const DrawnTissue& tissue, const Region& region);
 
-/// The motion is in proportion to the time, 0 .. 1 s.
-void moveEvenly(BoundarySpec& boundary);
-
 /// "ogden, nu 0.43"
 std::string textOf(const DrawnTissue& tissue);
 

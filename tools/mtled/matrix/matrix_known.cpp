@@ -88,7 +88,7 @@ MatrixCase drawConfined(Lot& lot) {
   s.boundaries = {planeBoundary("", Vec3::Zero(), Vec3::UnitZ(), {bonded, bonded, true}),
                   planeBoundary("", Vec3(0, 0, size.z()), Vec3::UnitZ(), {bonded, bonded, true})};
   s.boundaries[1].translation = Vec3(0, 0, -down);
-  moveEvenly(s.boundaries[1]);
+  beEven(s.boundaries[1]);
   for (const double side : {-0.5, 0.5}) {
     s.boundaries.push_back(planeBoundary("", Vec3(side * size.x(), 0, 0), Vec3::UnitX(), {true, false, false}));
     s.boundaries.push_back(planeBoundary("", Vec3(0, side * size.y(), 0), Vec3::UnitY(), {false, true, false}));
@@ -117,7 +117,7 @@ MatrixCase drawSheared(Lot& lot) {
   const double top = size.z();
   s.boundaries = {planeBoundary("", Vec3::Zero(), Vec3::UnitZ()), planeBoundary("", Vec3(0, 0, top), Vec3::UnitZ())};
   s.boundaries[1].translation = motion;
-  moveEvenly(s.boundaries[1]);
+  beEven(s.boundaries[1]);
   one.placed.push_back({[top](const Vec3& X) { return X.z() > 1e-9 && X.z() < top - 1e-9; },
                         [exact](const Vec3& X) { return exact.moved(X); }});
   one.lever = [top, along](const Vec3&, const Vec3& X, const Vec3&) { return Vec3(X.z() / top * along); };
@@ -195,7 +195,7 @@ MatrixCase drawBetweenPlates(Lot& lot) {
                   planeBoundary("", Vec3(0, -size.y() / 2, 0), Vec3::UnitY(), {false, true, false})};
   if (held) s.boundaries.push_back(planeBoundary("", Vec3(0, size.y() / 2, 0), Vec3::UnitY(), {false, true, false}));
   s.boundaries[1].translation = Vec3(0, 0, (stretch - 1) * size.z());
-  moveEvenly(s.boundaries[1]);
+  beEven(s.boundaries[1]);
   one.lever = [height = size.z()](const Vec3&, const Vec3& X, const Vec3&) {
     return Vec3(X.z() / height * Vec3::UnitZ());
   };

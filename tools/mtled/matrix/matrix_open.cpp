@@ -91,7 +91,7 @@ MatrixCase drawBonded(Lot& lot) {
   const double height = body.height;
   s.discretization.spacing = height / lot.between(2.5, 3.8);
   BoundarySpec top = planeBoundary("", Vec3(0, 0, height), Vec3::UnitZ());
-  moveEvenly(top);
+  beEven(top);
   Vec3 along = Vec3::UnitZ();
   bool moment = false;
   switch (lot.oneOf(5)) {

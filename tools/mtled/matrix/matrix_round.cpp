@@ -124,7 +124,7 @@ MatrixCase drawConfinedCore(Lot& lot) {
   s.boundaries = {planeBoundary("", Vec3::Zero(), Vec3::UnitZ(), {false, false, true}),
                   planeBoundary("", Vec3(0, 0, height), Vec3::UnitZ(), {false, false, true})};
   s.boundaries[1].translation = Vec3(0, 0, (problem.stretch - 1) * height);
-  moveEvenly(s.boundaries[1]);
+  beEven(s.boundaries[1]);
   // All of the mantle, and the rims of both ends with it.
   PlacedSurface mantle{[radius = rod.radius, height](const Vec3& X) {
                          return (X.z() > on_face && X.z() < height - on_face) ||

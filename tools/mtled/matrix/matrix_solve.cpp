@@ -44,8 +44,7 @@ Scene sceneAt(const MatrixCase& one, double fineness) {
       b.translation =
           placed.to(X) - placed.axis_point - Eigen::AngleAxisd(placed.angle, Vec3::UnitZ()) * (X - placed.axis_point);
       if (b.translation.isZero(0) && b.angle == 0) continue;
-      b.duration = 1;
-      b.curve.kind = LoadCurve::Kind::Linear;
+      beEven(b);
     }
   return scene;
 }

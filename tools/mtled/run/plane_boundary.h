@@ -20,4 +20,11 @@ inline BoundarySpec planeBoundary(const std::string& name, const Vec3& point, co
   return b;
 }
 
+/// A boundary's motion, or a load, is in proportion to the time, 0 .. 1 s.
+template <class Load>
+void beEven(Load& load) {
+  load.duration = 1;
+  load.curve.kind = LoadCurve::Kind::Linear;
+}
+
 }  // namespace palpate::tools

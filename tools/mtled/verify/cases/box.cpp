@@ -25,8 +25,7 @@ Scene boxScene(double spacing, double motion) {
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()),
                       planeBoundary("top", Vec3(0, 0, height), Vec3::UnitZ())};
   scene.boundaries.back().translation = Vec3(0, 0, motion);
-  scene.boundaries.back().duration = 1;
-  scene.boundaries.back().curve.kind = LoadCurve::Kind::Linear;
+  beEven(scene.boundaries.back());
   scene.organs[0].colour = Vec3(0.72, 0.42, 0.38);
   return scene;
 }

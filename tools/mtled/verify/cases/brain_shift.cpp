@@ -9,12 +9,11 @@
 #include "imaging/fuzzy_c_means.h"
 #include "imaging/phantom.h"
 #include "imaging/warp.h"
-#include "io/image_file.h"
 #include "io/load_model.h"
-#include "io/result_csv.h"
 #include "io/scene_file.h"
 #include "mtled/scan/case_scene.h"
 #include "mtled/scan/import_scan.h"
+#include "mtled/scan/phantom_command.h"
 #include "mtled/scan/slices.h"
 #include "mtled/verify/cases/cases.h"
 #include "mtled/verify/multilevel_spline.h"
@@ -72,14 +71,7 @@ void judgeMemberships(const CaseContext& context, CaseResult& result) {
 
 /// The phantom as files, imported. @return  its scene
 Scene importedScene(const Phantom& phantom, const Scratch& scratch, int nodes) {
-  writeImage(scratch.file("scan.nii.gz"), phantom.scan);
-  writeImage(scratch.file("mask.nii.gz"), phantom.mask);
-  ResultCsv csv(scratch.file("electrodes.csv"), {"x0", "y0", "z0", "x", "y", "z"});
-  for (std::size_t k = 0; k < phantom.before.size(); ++k) {
-    const Vec3 a = phantom.before[k] / mm, b = phantom.after[k] / mm;
-    csv.add(std::vector<double>{a.x(), a.y(), a.z(), b.x(), b.y(), b.z()});
-  }
-  csv.finish();
+  writeForImport(phantom, scratch.file(""));
   ImportScanOptions import;
   import.scan = scratch.file("scan.nii.gz");
   import.mask = scratch.file("mask.nii.gz");

@@ -59,8 +59,7 @@ Scene gelScene(const GelRow& row) {
   punch.region.radius = punch_radius;
   punch.region.height = 2e-6;
   punch.translation = Vec3(0, 0, -row.reached);
-  punch.duration = 1;
-  punch.curve.kind = LoadCurve::Kind::Linear;
+  beEven(punch);
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()), punch};
   return scene;
 }

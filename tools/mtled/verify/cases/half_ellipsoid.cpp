@@ -44,8 +44,7 @@ Scene indentedScene(const Row& row) {
   tip.region.height = 0.02;
   tip.surface_only = true;
   tip.translation = Vec3(0, 0, -depth);
-  tip.duration = 1;
-  tip.curve.kind = LoadCurve::Kind::Linear;
+  beEven(tip);
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()), tip};
   return scene;
 }

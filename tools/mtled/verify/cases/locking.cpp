@@ -76,8 +76,7 @@ CaseResult lockingCase(const CaseContext& context) {
       scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()),
                           planeBoundary("top", Vec3(0, 0, height), Vec3::UnitZ())};
       scene.boundaries.back().translation = Vec3(0, 0, -0.2 * height);
-      scene.boundaries.back().duration = 1;
-      scene.boundaries.back().curve.kind = LoadCurve::Kind::Linear;
+      beEven(scene.boundaries.back());
       apply(variant, scene);
       const StaticSolution s = solveCase(scene, evenTimes(4), within);
       const bool solved = !s.steps.empty() && s.steps.back().converged;

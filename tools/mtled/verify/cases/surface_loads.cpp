@@ -76,8 +76,7 @@ Scene sphereScene(double spacing, double young, double poisson, double pressure)
   load.region.kind = Region::Kind::Sphere;
   load.region.radius = a + 1e-6;
   load.pressure = pressure;
-  load.duration = 1;
-  load.curve.kind = LoadCurve::Kind::Linear;
+  beEven(load);
   scene.loads = {load};
   return scene;
 }
@@ -137,8 +136,7 @@ Scene cookScene(double spacing, double thickness, double young, double poisson, 
   load.region = planeBoundary("", Vec3(panel_length, 0, 0), Vec3::UnitX()).region;
   load.kind = LoadSpec::Kind::Traction;
   load.traction = Vec3(0, traction, 0);
-  load.duration = 1;
-  load.curve.kind = LoadCurve::Kind::Linear;
+  beEven(load);
   scene.loads = {load};
   return scene;
 }

@@ -27,8 +27,7 @@ Scene torsionScene(double spacing) {
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()),
                       planeBoundary("top", Vec3(0, 0, H), Vec3::UnitZ())};
   scene.boundaries.back().angle = angle;
-  scene.boundaries.back().duration = 1;
-  scene.boundaries.back().curve.kind = LoadCurve::Kind::Linear;
+  beEven(scene.boundaries.back());
   return scene;
 }
 
@@ -95,8 +94,7 @@ Scene flexureScene(double spacing, const Ring& ring) {
   end.axis_point = Vec3(c, -L / 2, 0);
   end.translation = Vec3(L, 0, 0);
   end.angle = M_PI / 2;
-  end.duration = 1;
-  end.curve.kind = LoadCurve::Kind::Linear;
+  beEven(end);
   scene.boundaries = {planeBoundary("symmetry", Vec3(0, -L / 2, 0), Vec3::UnitY(), {false, true, false}), end,
                       planeBoundary("front", Vec3::Zero(), Vec3::UnitZ(), {false, false, true}),
                       planeBoundary("back", Vec3(0, 0, W), Vec3::UnitZ(), {false, false, true})};
