@@ -5,6 +5,7 @@
 #include "discretization/surface/surface_tree.h"
 #include "io/load_model.h"
 #include "mtled/matrix/matrix_case.h"
+#include "mtled/run/plane_boundary.h"
 #include "mtled/run/scene_spacing.h"
 #include "setup/discretize.h"
 #include "step/resolution.h"
