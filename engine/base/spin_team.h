@@ -86,4 +86,11 @@ void shareOut(SpinTeam& team, int count, Each each) {
       count, [](void* context, int part, int) { (*static_cast<Each*>(context))(part); }, &each);
 }
 
+/// Runs each(part, begin, end) on the team for `parts` equal parts of rows [0, count), the same whatever the team.
+template <class Index, class Each>
+void shareRows(SpinTeam& team, int parts, Index count, Each each) {
+  const auto border = [=](int part) { return static_cast<Index>(static_cast<std::int64_t>(count) * part / parts); };
+  shareOut(team, parts, [&](int part) { each(part, border(part), border(part + 1)); });
+}
+
 }  // namespace palpate

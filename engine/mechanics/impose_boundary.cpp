@@ -36,16 +36,6 @@ GroupOf<Real> lessRow(const RowsOf& rows, int k, const Real4<Real>* x, GroupOf<R
   return (y + y1) + (y2 + y3);
 }
 
-/// Calls each(part, begin, end) for the parts of `count` rows, shared by the team. They are always the same, whatever
-/// the team.
-template <class Each>
-void forParts(SpinTeam& team, std::size_t count, Each each) {
-  const auto border = [count](int part) {
-    return static_cast<int>(count * static_cast<std::size_t>(part) / boundary_parts);
-  };
-  shareOut(team, boundary_parts, [&](int part) { each(part, border(part), border(part + 1)); });
-}
-
 /// Adds what rows [begin, end) of a set carry.
 template <class Real>
 void addReactions(const EssentialBoundaryOf<Real>& boundary, const typename EssentialBoundaryOf<Real>::Set& set,
@@ -88,7 +78,7 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
     Real4<Real>* r = scratch.rhs[s].data();
     const int n = static_cast<int>(set.node.size());
     // r = u_bar - Phi u~                                         (bracket of eq. 24)
-    forParts(team, set.node.size(), [&](int, int begin, int end) {
+    shareRows(team, boundary_parts, n, [&](int, int begin, int end) {
       for (int k = begin; k < end; ++k) {
         Vec3 imposed = Vec3::Zero();
         for (int c = 0; c < 3; ++c) {
@@ -113,7 +103,7 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
     for (int k = n - 1; k >= 0; --k) store(r[k], set.inverse_pivot[k] * lessRow<Real>(set.u, k, r, load(r[k])));
     for (int k = 0; k < n; ++k) r[k] = {r[k].x * set.mask[0], r[k].y * set.mask[1], r[k].z * set.mask[2], 0};
     // du += M^-1 V A^-1 r                                        (eqs. 23-25)
-    forParts(team, set.touched.size(), [&](int part, int begin, int end) {
+    shareRows(team, boundary_parts, static_cast<int>(set.touched.size()), [&](int part, int begin, int end) {
       for (int t = begin; t < end; ++t) {
         const int j = set.touched[t];
         store(du[j], load(du[j]) - inverse_mass[j] * lessRow<Real>(set.spread, t, r, GroupOf<Real>{}));

@@ -41,10 +41,7 @@ constexpr int passage_parts = 8;  // of the work, whatever the team
 template <class Each>
 void inParts(SpinTeam* team, std::size_t count, Each each) {
   if (team == nullptr) return each(0, count);
-  shareOut(*team, passage_parts, [&](int part) {
-    const auto border = [&](int p) { return count * static_cast<std::size_t>(p) / passage_parts; };
-    each(border(part), border(part + 1));
-  });
+  shareRows(*team, passage_parts, count, [&](int, std::size_t begin, std::size_t end) { each(begin, end); });
 }
 
 Both sumOf(const Passage::Rows& rows, std::size_t row, const AlignedVector<Both>& values) {

@@ -23,9 +23,8 @@ void addSceneLoads(const Model& model, double time, float alpha, const StepMasse
   const SurfaceLoads& loads = model.surface_loads;
   if (model.weight.empty() && loads.empty()) return;
   evaluate(loads, time, state.u.data(), workspace.surface_loads, workspace.team);
-  shareOut(workspace.team, load_parts, [&](int part) {
-    const std::size_t n = state.du.size(), end = n * (part + 1U) / load_parts;
-    for (std::size_t i = n * static_cast<std::size_t>(part) / load_parts; i < end; ++i) {
+  shareRows(workspace.team, load_parts, state.du.size(), [&](int, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
       Group f = loadOnNode(loads, workspace.surface_loads, i);
       if (!model.weight.empty()) f += load(toFloat4(toVec3(model.weight[i])));
       store(state.du[i], load(state.du[i]) + alpha * masses.inverse[i] * f);

@@ -14,13 +14,6 @@ constexpr float kept_per_step = 0.98F;  // of a factor, where less is needed
 /// Beyond this the tissue is lost, and stability no matter: it keeps what is not a number out of the masses.
 constexpr float max_factor = 1e7F;
 
-/// Calls each(part, begin, end) for parts of `count` numbers.
-template <class Each>
-void forParts(SpinTeam& team, std::size_t count, Each each) {
-  const auto border = [count](int part) { return static_cast<int>(count * static_cast<std::size_t>(part) / parts); };
-  shareOut(team, parts, [&](int part) { each(part, border(part), border(part + 1)); });
-}
-
 /// The largest of values[lists' entries].
 float largestOf(const StiffnessMeans::Lists& lists, int list, const float* values) {
   float largest = 0;
@@ -36,7 +29,7 @@ float computeNeeds(const Model& model, Workspace& workspace) {
   LocalMassScratch& scratch = workspace.local_mass;
   const int nodes = model.nodeCount();
   const double rest = model.dt / model.dt_critical / followed_step_share;
-  forParts(workspace.team, scratch.squeezed.size(), [&](int, int begin, int end) {
+  shareRows(workspace.team, parts, scratch.squeezed.size(), [&](int, int begin, int end) {
     for (int b = begin; b < end; ++b) {
       const auto m = static_cast<std::size_t>(model.kernel.batch_material[b]), at = static_cast<std::size_t>(b) * 16;
       const auto scale = static_cast<float>(rest * rest / model.materials[m].waveModulus());
@@ -54,7 +47,7 @@ float computeNeeds(const Model& model, Workspace& workspace) {
       }
     }
   });
-  forParts(workspace.team, scratch.group.size(), [&](int, int begin, int end) {
+  shareRows(workspace.team, parts, scratch.group.size(), [&](int, int begin, int end) {
     for (int g = begin; g < end; ++g) {
       bool squeezed = false;
       float bound = 0;
@@ -71,7 +64,7 @@ float computeNeeds(const Model& model, Workspace& workspace) {
     }
   });
   float bounded[parts];
-  forParts(workspace.team, scratch.group.size(), [&](int part, int begin, int end) {
+  shareRows(workspace.team, parts, scratch.group.size(), [&](int part, int begin, int end) {
     bounded[part] = 0;
     for (int g = begin; g < end; ++g) {
       const float bound = largestOf(means.groups, g, scratch.group.data());
@@ -117,7 +110,7 @@ StepMasses followStiffness(const Model& model, const Integrator& integrator, con
   const double ch = integrator.ch;
   double added_of[parts], own_of[parts];
   float needed_of[parts];
-  forParts(workspace.team, local.factor.size(), [&](int part, int begin, int end) {
+  shareRows(workspace.team, parts, local.factor.size(), [&](int part, int begin, int end) {
     double added = 0, own = 0;
     float needed = 0;
     for (int i = begin; i < end; ++i) {

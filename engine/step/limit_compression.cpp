@@ -97,10 +97,8 @@ void CompressionLimit::apply(const Model& model, const KernelScratch& kernel, co
   const double furthest = findWays(state.du), least = forces.min_J;
   if (!(least < static_cast<double>(watched_J)) && furthest * forces.max_cof2 < far * far * least * least) return;
   constexpr int parts = 8;
-  shareOut(team, parts, [&](int part) {
-    const std::size_t places = watched_.size(), end = places * static_cast<std::size_t>(part + 1) / parts;
-    for (std::size_t p = places * static_cast<std::size_t>(part) / parts; p < end; ++p)
-      watched_[p] = isWatched(model, kernel, p, furthest, state) ? 1 : 0;
+  shareRows(team, parts, watched_.size(), [&](int, std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) watched_[p] = isWatched(model, kernel, p, furthest, state) ? 1 : 0;
   });
   const ShapeTable& shape = model.point_shape;
   std::size_t count = 0;

@@ -13,15 +13,6 @@ namespace {
 /// Shares of the nodes that threads take whole. Their number is fixed, so that no result depends on the threads'.
 constexpr int node_parts = 8;
 
-/// Runs each(part, begin, end) for all parts [begin, end) of the nodes.
-template <class Each>
-void forNodes(const Model& model, Workspace& workspace, Each each) {
-  const auto border = [n = std::int64_t{model.nodeCount()}](int part) {
-    return static_cast<int>(n * part / node_parts);
-  };
-  shareOut(workspace.team, node_parts, [&](int part) { each(part, border(part), border(part + 1)); });
-}
-
 /// u += du of nodes [begin, end), compensated (Kahan): the error of u does not grow with the number of steps.
 Moved accumulate(const Model& model, const StepMasses& masses, State& state, const Workspace& workspace, int begin,
                  int end) {
@@ -67,7 +58,7 @@ double predict(const Model& model, const Integrator& integrator, const StepMasse
   const auto alpha = static_cast<float>(integrator.alpha), beta = static_cast<float>(integrator.beta);
   const auto ch = static_cast<float>(integrator.ch);
   double of[node_parts];
-  forNodes(model, workspace, [&](int part, int begin, int end) {
+  shareRows(workspace.team, node_parts, model.nodeCount(), [&](int part, int begin, int end) {
     sumForces(model.kernel, workspace.kernel, begin, end, workspace.f.data());
     Group work{};
     const float* const own_share = model.own_share.empty() ? nullptr : model.own_share.data();
@@ -94,8 +85,8 @@ double predict(const Model& model, const Integrator& integrator, const StepMasse
 
 Moved accumulate(const Model& model, const StepMasses& masses, State& state, Workspace& workspace) {
   Moved of[node_parts];
-  forNodes(model, workspace,
-           [&](int part, int begin, int end) { of[part] = accumulate(model, masses, state, workspace, begin, end); });
+  shareRows(workspace.team, node_parts, model.nodeCount(),
+            [&](int part, int begin, int end) { of[part] = accumulate(model, masses, state, workspace, begin, end); });
   Moved moved;
   for (const Moved& f : of) {
     if (f.distance2 > moved.distance2) {
