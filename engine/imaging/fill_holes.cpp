@@ -17,21 +17,16 @@ constexpr int most_for_smallest_fill = 120;
 
 /// The rims of holes: closed curves of open edges, each against its face's sense, so that a fill turns as they do.
 std::vector<std::vector<int>> rimsOf(const TriangleSurface& surface, int& crowded) {
-  const std::vector<FaceEdge> edges = faceEdges(surface);
   std::unordered_map<int, std::vector<int>> next;
   std::vector<int> starts;
   crowded = 0;
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-    if (end - i > 2) ++crowded;
-    if (end - i == 1) {
-      const int from = edges[i].forward ? edges[i].high : edges[i].low;
-      next[from].push_back(edges[i].forward ? edges[i].low : edges[i].high);
-      starts.push_back(from);
-    }
-    i = end;
-  }
+  forEachEdge(faceEdges(surface), [&](const FaceEdge* edge, int count) {
+    if (count > 2) ++crowded;
+    if (count != 1) return;
+    const int from = edge->forward ? edge->high : edge->low;
+    next[from].push_back(edge->forward ? edge->low : edge->high);
+    starts.push_back(from);
+  });
   std::vector<std::vector<int>> rims;
   std::unordered_map<int, std::size_t> place;  // of a vertex on the way
   for (const int start : starts) {

@@ -201,19 +201,13 @@ void orientPatches(TriangleSurface& surface, SurfaceSource& source, RepairReport
     outer += patch.area * std::max(patch.front, patch.back) / patch.rays;
   }
   report.see_through = outer > 0 ? inner / outer : 0;
-  std::size_t kept = 0;
   int turned_count = 0;
-  for (std::size_t t = 0; t < count; ++t) {
-    if (removed[t]) continue;
-    turned_count += turned[t];
-    surface.triangles[kept] = surface.triangles[t];
-    if (!source.triangle_line.empty()) source.triangle_line[kept] = source.triangle_line[t];
-    ++kept;
-  }
-  surface.triangles.resize(kept);
-  if (!source.triangle_line.empty()) source.triangle_line.resize(kept);
+  keepFaces(surface, source, [&](int t) {
+    if (!removed[t]) turned_count += turned[t];
+    return !removed[t];
+  });
   report.turned_faces += turned_count;
-  report.inside_out = turned_count > 0 && turned_count == static_cast<int>(kept);
+  report.inside_out = turned_count > 0 && turned_count == static_cast<int>(surface.triangles.size());
   dropUnusedVertices(surface, source);
 }
 

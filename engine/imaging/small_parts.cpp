@@ -106,13 +106,10 @@ Bodies joinedParts(const TriangleSurface& surface, const SurfaceParts& parts, co
 }
 
 void dropSmallParts(TriangleSurface& surface, SurfaceSource& source, RepairReport& report, double thinnest) {
-  std::vector<FaceEdge> edges = faceEdges(surface), pairs;
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-    if (end - i == 2) pairs.insert(pairs.end(), {edges[i], edges[i + 1]});
-    i = end;
-  }
+  std::vector<FaceEdge> pairs;
+  forEachEdge(faceEdges(surface), [&](const FaceEdge* edge, int count) {
+    if (count == 2) pairs.insert(pairs.end(), {edge[0], edge[1]});
+  });
   const SurfaceParts parts = connectedParts(surface, pairs);
   const Vec3 centre = boundingBox(surface).center();
   std::vector<double> volume(parts.count, 0), area(parts.count, 0);
@@ -152,15 +149,7 @@ void dropSmallParts(TriangleSurface& surface, SurfaceSource& source, RepairRepor
     report.small_volume_share += dropped / whole;
     report.thin_volume_share += thin / whole;
   }
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    if (drops[parts.part[t]]) continue;
-    surface.triangles[kept] = surface.triangles[t];
-    if (!source.triangle_line.empty()) source.triangle_line[kept] = source.triangle_line[t];
-    ++kept;
-  }
-  surface.triangles.resize(kept);
-  if (!source.triangle_line.empty()) source.triangle_line.resize(kept);
+  keepFaces(surface, source, [&](int t) { return !drops[parts.part[t]]; });
   dropUnusedVertices(surface, source);
 }
 

@@ -61,18 +61,10 @@ std::vector<Patch> alikePatches(TriangleSurface& surface, std::vector<char>& fac
   const int count = static_cast<int>(surface.triangles.size());
   std::vector<std::array<FaceEdge, 2>> pairs;
   std::vector<char> open(surface.triangles.size(), 0);  // faces with an edge that is no pair's, or that contradicts
-  {
-    const std::vector<FaceEdge> edges = faceEdges(surface);
-    for (std::size_t i = 0; i < edges.size();) {
-      std::size_t end = i + 1;
-      while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-      if (end - i == 2)
-        pairs.push_back({edges[i], edges[i + 1]});
-      else
-        for (std::size_t e = i; e < end; ++e) open[edges[e].triangle] = 1;
-      i = end;
-    }
-  }
+  forEachEdge(faceEdges(surface), [&](const FaceEdge* edge, int faces) {
+    if (faces == 2) return pairs.push_back({edge[0], edge[1]});
+    for (int k = 0; k < faces; ++k) open[edge[k].triangle] = 1;
+  });
   Joined joined(surface.triangles.size());
   for (const bool against : {false, true}) {
     for (const auto& [a, b] : pairs) {

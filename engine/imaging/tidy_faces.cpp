@@ -37,22 +37,6 @@ bool isFlat(const TriangleSurface& s, const Triangle& t) {
   return !((B - A).cross(C - A).norm() > 1.5 * flat_face_ratio * longest);
 }
 
-/// Keeps the faces for which `stays`, and their lines.
-template <class Stays>
-int keepFaces(TriangleSurface& surface, SurfaceSource& source, Stays&& stays) {
-  std::size_t kept = 0;
-  const std::size_t count = surface.triangles.size();
-  for (std::size_t t = 0; t < count; ++t) {
-    if (!stays(static_cast<int>(t))) continue;
-    surface.triangles[kept] = surface.triangles[t];
-    if (!source.triangle_line.empty()) source.triangle_line[kept] = source.triangle_line[t];
-    ++kept;
-  }
-  surface.triangles.resize(kept);
-  if (!source.triangle_line.empty()) source.triangle_line.resize(kept);
-  return static_cast<int>(count - kept);
-}
-
 int removeFlat(TriangleSurface& surface, SurfaceSource& source) {
   return keepFaces(surface, source, [&](int t) { return !isFlat(surface, surface.triangles[t]); });
 }
@@ -72,14 +56,10 @@ int removeDoubled(TriangleSurface& surface, SurfaceSource& source) {
 
 /// The edges that one face has.
 std::vector<FaceEdge> openEdges(const TriangleSurface& surface) {
-  const std::vector<FaceEdge> edges = faceEdges(surface);
   std::vector<FaceEdge> open;
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-    if (end - i == 1) open.push_back(edges[i]);
-    i = end;
-  }
+  forEachEdge(faceEdges(surface), [&](const FaceEdge* edge, int count) {
+    if (count == 1) open.push_back(*edge);
+  });
   return open;
 }
 

@@ -48,27 +48,18 @@ int unusedVertices(const TriangleSurface& surface) {
 /// Leaves out the faces with vertices that are not there, not finite or out of this world.
 void leaveOutUnreadable(SurfaceFile& file) {
   const auto& vertices = file.surface.vertices;
-  auto& triangles = file.surface.triangles;
+  const auto& triangles = file.surface.triangles;
   std::vector<char> good(vertices.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) good[v] = vertices[v].allFinite() && isNear(vertices[v]);
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
+  file.unreadable_faces += keepFaces(file.surface, file.source, [&](int t) {
     const bool readable = std::all_of(triangles[t].begin(), triangles[t].end(), [&](int v) {
       return v >= 0 && static_cast<std::size_t>(v) < good.size() && good[static_cast<std::size_t>(v)];
     });
-    if (!readable) {
-      if (file.unreadable.empty() && !file.source.triangle_line.empty())
-        file.unreadable =
-            SourceLocation{file.source.file, file.source.triangle_line[t]}.text() + ": a face without proper vertices";
-      continue;
-    }
-    triangles[kept] = triangles[t];
-    if (!file.source.triangle_line.empty()) file.source.triangle_line[kept] = file.source.triangle_line[t];
-    ++kept;
-  }
-  file.unreadable_faces += static_cast<int>(triangles.size() - kept);
-  triangles.resize(kept);
-  if (!file.source.triangle_line.empty()) file.source.triangle_line.resize(kept);
+    if (!readable && file.unreadable.empty() && !file.source.triangle_line.empty())
+      file.unreadable =
+          SourceLocation{file.source.file, file.source.triangle_line[t]}.text() + ": a face without proper vertices";
+    return readable;
+  });
   dropUnusedVertices(file.surface, file.source);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "discretization/surface/surface_geometry.h"
+#include "discretization/surface/surface_parts.h"
 
 namespace palpate {
 namespace {
@@ -12,34 +13,16 @@ namespace {
 /// right angle.
 const double smooth_cosine = std::cos(0.698);
 
-struct CornerEdge {
-  int a, b;  // vertices, a < b
-  int face;
-};
-
 /// Pairs of vertices joined by a sharp edge, sorted. An edge without exactly two faces counts as sharp.
 std::vector<std::array<int, 2>> sharpEdges(const TriangleSurface& surface) {
-  std::vector<CornerEdge> edges;
-  edges.reserve(3 * surface.triangles.size());
   std::vector<Vec3> normal(surface.triangles.size());
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     normal[t] = areaVector(surface, static_cast<int>(t)).normalized();
-    for (int e = 0; e < 3; ++e) {
-      const auto [a, b] = std::minmax(surface.triangles[t][e], surface.triangles[t][(e + 1) % 3]);
-      edges.push_back({a, b, static_cast<int>(t)});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const CornerEdge& p, const CornerEdge& q) {
-    return std::tie(p.a, p.b, p.face) < std::tie(q.a, q.b, q.face);
-  });
-
   std::vector<std::array<int, 2>> sharp;
-  for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-    const CornerEdge& edge = edges[begin];
-    while (end < edges.size() && edges[end].a == edge.a && edges[end].b == edge.b) ++end;
-    const bool smooth = end - begin == 2 && normal[edge.face].dot(normal[edges[begin + 1].face]) >= smooth_cosine;
-    if (!smooth) sharp.push_back({edge.a, edge.b});
-  }
+  forEachEdge(faceEdges(surface), [&](const FaceEdge* edge, int count) {
+    const bool smooth = count == 2 && normal[edge[0].triangle].dot(normal[edge[1].triangle]) >= smooth_cosine;
+    if (!smooth) sharp.push_back({edge->low, edge->high});
+  });
   return sharp;
 }
 

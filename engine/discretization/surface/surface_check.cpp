@@ -92,26 +92,23 @@ void checkAreas(const Subject& s) {
 }
 
 void checkEdges(const Subject& s, const std::vector<FaceEdge>& edges) {
-  int open_count = 0, first_open = -1;
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-    if (end - i == 1) {
-      if (first_open < 0 || edges[i].triangle < edges[first_open].triangle) first_open = static_cast<int>(i);
+  int open_count = 0;
+  const FaceEdge* first_open = nullptr;
+  forEachEdge(edges, [&](const FaceEdge* e, int count) {
+    if (count == 1) {
+      if (first_open == nullptr || e->triangle < first_open->triangle) first_open = e;
       ++open_count;
     }
-    if (end - i > 2) {
-      throw InputError(s.facePlace(edges[i + 2].triangle),
-                       "the edge from " + s.vertex(edges[i].low) + " to " + s.vertex(edges[i].high) + " belongs to " +
-                           std::to_string(end - i) + " faces (" + s.face(edges[i].triangle) + ", " +
-                           std::to_string(edges[i + 1].triangle + 1) + ", " +
-                           std::to_string(edges[i + 2].triangle + 1) + ")",
+    if (count > 2) {
+      throw InputError(s.facePlace(e[2].triangle),
+                       "the edge from " + s.vertex(e->low) + " to " + s.vertex(e->high) + " belongs to " +
+                           std::to_string(count) + " faces (" + s.face(e->triangle) + ", " +
+                           std::to_string(e[1].triangle + 1) + ", " + std::to_string(e[2].triangle + 1) + ")",
                        "a solid has two faces at each edge: remove doubled faces and inner walls");
     }
-    i = end;
-  }
-  if (first_open >= 0) {
-    const FaceEdge& edge = edges[first_open];
+  });
+  if (first_open != nullptr) {
+    const FaceEdge& edge = *first_open;
     throw InputError(s.facePlace(edge.triangle),
                      "the surface has a hole: the edge of " + s.face(edge.triangle) + " from " + s.vertex(edge.low) +
                          " to " + s.vertex(edge.high) + " has no second face (" +

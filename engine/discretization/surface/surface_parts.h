@@ -16,6 +16,15 @@ struct FaceEdge {
 /// The three edges of each face, sorted by (low, high, triangle): faces that share an edge stand together.
 std::vector<FaceEdge> faceEdges(const TriangleSurface& surface);
 
+/// Calls visit(first, count) for each edge of the surface: `first` points to the first of its faces' `count` entries.
+template <class Visit>
+void forEachEdge(const std::vector<FaceEdge>& edges, Visit visit) {
+  for (auto first = edges.begin(), end = first; first != edges.end(); first = end) {
+    while (end != edges.end() && end->low == first->low && end->high == first->high) ++end;
+    visit(&*first, static_cast<int>(end - first));
+  }
+}
+
 /// The surface's parts: faces connected across edges, and their sense of rotation.
 struct SurfaceParts {
   int count = 0;
