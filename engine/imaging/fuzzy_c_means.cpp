@@ -7,6 +7,7 @@
 
 #include "base/input_error.h"
 #include "base/parallel_for.h"
+#include "base/ranked.h"
 
 namespace palpate {
 namespace {
@@ -226,9 +227,7 @@ double noiseOf(const Image& scan, const Mask& mask) {
       for (int i = 1; i < mask.grid.size[0]; ++i)
         if (mask(i, j, k) && mask(i - 1, j, k)) difference.push_back(std::abs(scan(i, j, k) - scan(i - 1, j, k)));
   if (difference.empty()) return 0;
-  auto middle = difference.begin() + static_cast<std::ptrdiff_t>(difference.size() / 2);
-  std::nth_element(difference.begin(), middle, difference.end());
-  return *middle / (0.6745 * std::sqrt(2.0));
+  return ranked(difference, difference.size() / 2) / (0.6745 * std::sqrt(2.0));
 }
 
 /// Each voxel as the mean of those around it in the mask that are like it in `guide` (Tomasi and Manduchi 1998; with
@@ -294,11 +293,7 @@ class Denoiser {
 };
 
 /// The intensity below which logarithms would only show noise: a twentieth of the median.
-double floorOf(std::vector<double> values) {
-  auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return std::max(1e-30, 0.05 * *middle);
-}
+double floorOf(std::vector<double> values) { return std::max(1e-30, 0.05 * ranked(values, values.size() / 2)); }
 
 }  // namespace
 

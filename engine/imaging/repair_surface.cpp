@@ -9,6 +9,7 @@
 #include "base/input_error.h"
 #include "base/number_text.h"
 #include "base/parallel_for.h"
+#include "base/ranked.h"
 #include "discretization/surface/surface_geometry.h"
 #include "discretization/surface/surface_parts.h"
 #include "discretization/surface/surface_tree.h"
@@ -218,9 +219,7 @@ class Repair {
       if (const auto hit = tree.firstHit(points.x[k] - off * n, -n)) walls.push_back(hit->distance);
     }
     if (walls.empty()) return std::numeric_limits<double>::infinity();
-    const auto fifth = walls.begin() + static_cast<long>(walls.size() / 5);
-    std::nth_element(walls.begin(), fifth, walls.end());
-    return *fifth;
+    return ranked(walls, walls.size() / 5);
   }
 
   /// The spacing with which the body has its nodes, as far as its volume tells.

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/parallel_for.h"
+#include "base/ranked.h"
 #include "discretization/surface/surface_geometry.h"
 #include "discretization/surface/surface_parts.h"
 #include "discretization/surface/surface_tree.h"
@@ -202,8 +203,7 @@ void dropStray(TriangleSurface& surface, SurfaceSource& source, RepairReport& re
   std::vector<double> along(count);
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t v = 0; v < count; ++v) along[v] = surface.vertices[v][axis];
-    std::nth_element(along.begin(), along.begin() + static_cast<std::ptrdiff_t>(count / 2), along.end());
-    middle[axis] = along[count / 2];
+    middle[axis] = ranked(along, count / 2);
   }
   for (std::size_t v = 0; v < count; ++v) along[v] = (surface.vertices[v] - middle).norm();
   std::vector<double> off = along;

@@ -7,6 +7,8 @@
 #include <limits>
 #include <map>
 
+#include "base/ranked.h"
+
 namespace palpate {
 namespace {
 
@@ -72,8 +74,7 @@ double distanceOf(const std::vector<Vec3>& X) {
   for (std::size_t a = 0; a < X.size(); ++a)
     for (std::size_t b = 0; b < X.size(); ++b)
       if (a != b) nearest[a] = std::min(nearest[a], (X[a] - X[b]).norm());
-  std::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2), nearest.end());
-  return nearest[nearest.size() / 2];
+  return ranked(nearest, nearest.size() / 2);
 }
 
 /// The spline through the points; lengths in units of `scale`.
