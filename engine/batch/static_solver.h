@@ -61,7 +61,6 @@ class StaticSolver {
   /// Goes on from a state that was saved. @param largest  m, largestSoFar() then
   void resume(double time, const AlignedVector<Double4>& u, const ToolsAt& tools, double largest = 0);
   double largestSoFar() const { return largest_so_far_; }
-  double convergenceRate() const { return relaxation_.convergenceRate(); }
 
   static constexpr int max_iterations = 20000;    // of one load step
   static constexpr double rigid_accuracy = 1e-5;  // m, a tenth of what is promised

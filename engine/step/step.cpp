@@ -14,12 +14,6 @@
 
 namespace palpate {
 
-StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command, Workspace& workspace) {
-  ToolPostures tools = posturesOf(state);
-  tools[0].pose = tool_pose;
-  return step(model, state, tools, command, workspace);
-}
-
 StepReport step(const Model& model, State& state, const ToolPostures& wanted, const Command& command,
                 Workspace& workspace) {
   const Integrator integrator(model.dt, model.scene.dynamics.damping);

@@ -14,9 +14,6 @@ class Workspace;  // step/workspace.h: buffers and threads of one stepping threa
 StepReport step(const Model& model, State& state, const ToolPostures& tools, const Command& command,
                 Workspace& workspace);
 
-/// The same with the first tool moving to `tool_pose`, and the others standing.
-StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command, Workspace& workspace);
-
 /// Advances one tick, substeps_per_tick steps, the tools going evenly from where they are to
 /// command.tools, no faster than the scene allows. The report has the last
 /// step's force and the worst of the rest. Where a step was lost (kBlowUp, kNotFinite), which ends the tick, the state

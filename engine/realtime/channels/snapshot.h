@@ -50,7 +50,6 @@ struct LoopStatus {
   std::int64_t longest_overrun_streak = 0;
   double realtime_factor = 1;         // physics time / wall time since start or last resume
   double recent_realtime_factor = 1;  // over about the last second
-  float last_step_us = 0;             // computing time of the last tick, us
   bool paused = false;
   bool frozen = false;              // the watchdog stopped the tissue; reset is offered
   std::int64_t restored_count = 0;  // times that the tissue was lost and went back to an earlier state

@@ -194,7 +194,6 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
   snapshot.status.longest_overrun_streak = statistics.longest_overrun_streak.load(std::memory_order_relaxed);
   snapshot.status.realtime_factor = time.realtime_factor;
   snapshot.status.recent_realtime_factor = time.recent_realtime_factor;
-  snapshot.status.last_step_us = 1e-3F * static_cast<float>(time.last_step_ns);
   snapshot.status.paused = run.paused;
   snapshot.status.frozen = run.frozen;
   snapshot.status.restored_count = summary_.restored_count;

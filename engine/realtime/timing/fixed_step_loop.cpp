@@ -151,7 +151,6 @@ LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopB
       continue;
     }
 
-    time.last_step_ns = end - begin;
     statistics.step.add(end - begin);
     increase(statistics.ticks, 1);
     if (fast) {

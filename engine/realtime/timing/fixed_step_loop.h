@@ -43,7 +43,6 @@ enum class TickOutcome {
 /// How the loop stands when a body is called.
 struct LoopTime {
   std::int64_t begin_ns = 0;          // now, by the loop's clock
-  std::int64_t last_step_ns = 0;      // computing time of the last tick that advanced
   double realtime_factor = 1;         // simulated / wall time since start or last resume
   double recent_realtime_factor = 1;  // over about the last second
 };
