@@ -38,10 +38,6 @@ double roundingOf(const ToolShape& tool, double asked) {
 
 ToolDistance toolDistance(const ToolShape& tool, const Vec3& local) { return toolDistance(toolProfile(tool), local); }
 
-double exitDistance(const ToolShape& tool, const Vec3& local, const Vec3& direction) {
-  return exitDistance(toolProfile(tool), local, direction);
-}
-
 double tipProfile(const ToolShape& tool, double r) { return tipProfile(toolProfile(tool), r); }
 
 double touchRadius(const ToolShape& tool) {

@@ -74,7 +74,6 @@ double roundingOf(const ToolShape& tool, double asked);
 
 // The same as with a ToolProfile, which they make first.
 ToolDistance toolDistance(const ToolShape& tool, const Vec3& local);
-double exitDistance(const ToolShape& tool, const Vec3& local, const Vec3& direction);
 double tipProfile(const ToolShape& tool, double r);
 
 /// Radius of the ball that wants nodes as close as the tool's end does, m: a flat end's own radius; where the end is

@@ -329,26 +329,6 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
 }
 
 template <class Real>
-std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& layout, int place) {
-  const std::size_t block = static_cast<std::size_t>(place) / 4, p = static_cast<std::size_t>(place) % 4;
-  const PointBlock& q = layout.blocks[block];
-  std::vector<std::pair<int, Vec3>> result;
-  for (std::size_t n = 0; n < static_cast<std::size_t>(q.group_count) * 4; ++n) {
-    Vec3 g;
-    for (std::size_t b = 0; b < 3; ++b) {
-      const auto in = [&](std::size_t tile) { return tile * 48 + b * 16 + n % 4 * 4 + p; };
-      if (layout.scale.empty())
-        g[b] = layout.gradN[in(q.tile_begin + n / 4)];
-      else
-        g[b] = static_cast<double>(layout.scale[block / 4 * 48 + b * 16 + block % 4 * 4 + p]) *
-               (n < 4 ? layout.gradN[in(block)] : layout.rounded_gradN[in(q.rounded_begin + n / 4 - 1)]);
-    }
-    result.emplace_back(unionNode(layout, static_cast<std::size_t>(q.tile_begin) * 4 + n), g);
-  }
-  return result;
-}
-
-template <class Real>
 KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout, InstructionSet set) {
   KernelScratchOf<Real> scratch;
   scratch.passes = &passesOf<Real>(set);
@@ -375,7 +355,6 @@ template KernelLayoutOf<float> makeKernelLayout(const ShapeTable&, const std::ve
                                                 const NodePatches&, GradientPrecision, const std::vector<Vec3>&,
                                                 const std::vector<int>&);
 template KernelScratchOf<float> makeKernelScratch(const KernelLayoutOf<float>&, InstructionSet);
-template std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<float>&, int);
 template KernelMaterialsOf<double> makeKernelMaterials(const KernelLayoutOf<double>&, std::vector<Material>);
 template void updatePatchBulk(const KernelLayoutOf<double>&, KernelMaterialsOf<double>&);
 template KernelLayoutOf<double> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&,
@@ -383,6 +362,5 @@ template KernelLayoutOf<double> makeKernelLayout(const ShapeTable&, const std::v
                                                  const std::vector<Material>&, int, const NodePatches&,
                                                  GradientPrecision, const std::vector<Vec3>&, const std::vector<int>&);
 template KernelScratchOf<double> makeKernelScratch(const KernelLayoutOf<double>&, InstructionSet);
-template std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<double>&, int);
 
 }  // namespace palpate

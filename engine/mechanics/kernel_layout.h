@@ -104,11 +104,6 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
                                       GradientPrecision gradients = GradientPrecision::Float32,
                                       const std::vector<Vec3>& X = {}, const std::vector<int>& base = {});
 
-/// Gradients of a layout's point `place` (index into layout.point) at its block's union nodes, as the kernel sees them,
-/// 1/m.
-template <class Real>
-std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& layout, int place);
-
 /// Materials for a layout, with the K_a of its patches.
 template <class Real>
 KernelMaterialsOf<Real> makeKernelMaterials(const KernelLayoutOf<Real>& layout, std::vector<Material> materials);

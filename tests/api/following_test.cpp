@@ -6,6 +6,7 @@
 #include "api/pressed_block.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
+#include "realtime/loop_run.h"
 #include "support/text.h"
 
 using namespace palpate;

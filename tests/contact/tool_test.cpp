@@ -122,14 +122,14 @@ TEST_CASE("Tool normals turn continuously down to the smooth depth", "[tool]") {
 }
 
 TEST_CASE("The way out of a tool along a direction", "[tool]") {
-  CHECK(exitDistance(kFlat, {0.003, 0, 0.004}, -Vec3::UnitZ()) == Approx(0.004).epsilon(1e-3));
-  CHECK(exitDistance(kFlat, {0.003, 0, 0.03}, Vec3::UnitX()) == Approx(0.007).epsilon(1e-3));
+  CHECK(exitDistance(toolProfile(kFlat), {0.003, 0, 0.004}, -Vec3::UnitZ()) == Approx(0.004).epsilon(1e-3));
+  CHECK(exitDistance(toolProfile(kFlat), {0.003, 0, 0.03}, Vec3::UnitX()) == Approx(0.007).epsilon(1e-3));
   // A chord of the sphere: height c over the centre plane, half chord sqrt(R^2 - c^2).
-  CHECK(exitDistance(kSphere, {0, 0.006, 0.01}, Vec3::UnitX()) == Approx(0.008).epsilon(1e-3));
-  CHECK(exitDistance(kCapsule, {0, 0, 0.03}, -Vec3::UnitZ()) == Approx(0.03).epsilon(1e-3));
-  CHECK(exitDistance(kSphere, {0, 0, -0.001}, -Vec3::UnitZ()) == 0.0);
+  CHECK(exitDistance(toolProfile(kSphere), {0, 0.006, 0.01}, Vec3::UnitX()) == Approx(0.008).epsilon(1e-3));
+  CHECK(exitDistance(toolProfile(kCapsule), {0, 0, 0.03}, -Vec3::UnitZ()) == Approx(0.03).epsilon(1e-3));
+  CHECK(exitDistance(toolProfile(kSphere), {0, 0, -0.001}, -Vec3::UnitZ()) == 0.0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK(exitDistance(kSphere, {nan, 0, 0}, -Vec3::UnitZ()) == 0.0);
+  CHECK(exitDistance(toolProfile(kSphere), {nan, 0, 0}, -Vec3::UnitZ()) == 0.0);
 }
 
 TEST_CASE("The tip's profile lies on the surface", "[tool]") {

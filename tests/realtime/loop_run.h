@@ -30,6 +30,14 @@ inline std::vector<Pose> wander(int ticks, unsigned seed) {
   return poses;
 }
 
+/// A track that moves the tool to poses[k] in tick k.
+inline std::vector<TimedRequest> trackFromPoses(const std::vector<Pose>& poses) {
+  std::vector<TimedRequest> track;
+  for (std::size_t k = 0; k < poses.size(); ++k)
+    track.push_back({static_cast<std::int64_t>(k), Request::moveTool(poses[k])});
+  return track;
+}
+
 inline SimulationLoopOptions limited(std::int64_t ticks) {
   SimulationLoopOptions options;
   options.tick_limit = ticks;

@@ -129,14 +129,13 @@ double cellVolume(const std::vector<Vec3>& X, const std::array<int, 4>& cell) {
 }
 
 /// Drops slivers from the outside inward, so that no hole is left behind: cells of four surface nodes
-/// with a face on the boundary. (Slivers inside are few and stay.) Returns how many.
-int peelSlivers(std::vector<std::array<int, 4>>& cells, const NodeCloud& cloud) {
+/// with a face on the boundary. (Slivers inside are few and stay.)
+void peelSlivers(std::vector<std::array<int, 4>>& cells, const NodeCloud& cloud) {
   const auto isSliver = [&](const std::array<int, 4>& cell) {
     const double longest = longestEdge(cloud.X, cell);
     return std::all_of(cell.begin(), cell.end(), [&](int i) { return cloud.on_surface[i] != 0; }) &&
            cellVolume(cloud.X, cell) < sliver * longest * longest * longest;
   };
-  const std::size_t before = cells.size();
   for (std::size_t last = 0; last != cells.size();) {
     last = cells.size();
     std::vector<std::array<int, 3>> boundary = boundaryFacets(cells);
@@ -152,7 +151,6 @@ int peelSlivers(std::vector<std::array<int, 4>>& cells, const NodeCloud& cloud) 
     };
     std::erase_if(cells, [&](const auto& cell) { return isSliver(cell) && onBoundary(cell); });
   }
-  return static_cast<int>(before - cells.size());
 }
 
 }  // namespace
@@ -170,15 +168,7 @@ BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& s
   const std::vector<char> held = heldCells(cloud, all, surface, memory);
   for (std::size_t c = 0; c < all.size(); ++c)
     if (held[c]) result.cells.push_back(all[c]);
-  result.outside_count = static_cast<int>(all.size() - result.cells.size());
-  result.sliver_count = peelSlivers(result.cells, cloud);
-  std::vector<char> used(cloud.X.size(), false);
-  for (const std::array<int, 4>& cell : result.cells) {
-    for (int i : cell) used[i] = true;
-  }
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i]) result.unused_nodes.push_back(static_cast<int>(i));
-  }
+  peelSlivers(result.cells, cloud);
   result.surface_volume = signedVolume(surface.surface());
   updateVolumes(result, cloud.X);
   return result;

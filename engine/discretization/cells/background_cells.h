@@ -14,13 +14,10 @@ namespace palpate {
 /// approximation is meshless, and a cell only says which part of the volume a point stands for.
 struct BackgroundCells {
   std::vector<std::array<int, 4>>
-      cells;                      // (cell_count) nodes in ascending order, two swapped where the orientation needs it
-  std::vector<double> volume;     // (cell_count) m^3, > 0
-  double total_volume = 0;        // m^3, sum of the cells' volumes
-  double surface_volume = 0;      // m^3, of the body's own surface
-  int outside_count = 0;          // Delaunay tetrahedra dropped as outside the body
-  int sliver_count = 0;           // Delaunay tetrahedra dropped for having next to no volume
-  std::vector<int> unused_nodes;  // nodes in no cell
+      cells;                   // (cell_count) nodes in ascending order, two swapped where the orientation needs it
+  std::vector<double> volume;  // (cell_count) m^3, > 0
+  double total_volume = 0;     // m^3, sum of the cells' volumes
+  double surface_volume = 0;   // m^3, of the body's own surface
 
   /// Relative error of the cells' volume: negative where the cells fill less than the body.
   double volumeError() const { return total_volume / surface_volume - 1; }

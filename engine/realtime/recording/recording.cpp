@@ -98,13 +98,4 @@ void checkRecordingFits(const Recording& recording, const Model& model, const st
                        "this recording was not left so; record the run again");
 }
 
-std::vector<TimedRequest> trackFromPoses(const std::vector<Pose>& poses) {
-  std::vector<TimedRequest> track;
-  track.reserve(poses.size());
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    track.push_back({static_cast<std::int64_t>(k), Request::moveTool(poses[k])});
-  }
-  return track;
-}
-
 }  // namespace palpate

@@ -27,7 +27,4 @@ void checkRate(const Recording& recording, double rate_hz, const std::string& fi
 /// Throws InputError unless the recording was made with this model and rate, and has nothing that can't be asked of it.
 void checkRecordingFits(const Recording& recording, const Model& model, const std::string& file);
 
-/// A track that moves the tool to poses[k] in tick k.
-std::vector<TimedRequest> trackFromPoses(const std::vector<Pose>& poses);
-
 }  // namespace palpate

@@ -85,7 +85,7 @@ SimulationLoopOptions dragging(FollowingTissue& tissue, bool fast) {
   options.record = true;
   std::vector<Pose> poses;
   for (int k = 1; k <= drag_ticks; ++k) poses.push_back(dragPose(tissue.model(), k));
-  options.track = trackFromPoses(poses);
+  options.track = test::trackFromPoses(poses);
   return options;
 }
 

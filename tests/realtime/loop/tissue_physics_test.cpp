@@ -9,8 +9,8 @@
 #include "contact/tools/tool_list.h"
 #include "discretization/surface/solids.h"
 #include "model/model_hash.h"
-#include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"
+#include "realtime/loop_run.h"
 #include "realtime/recording/recording.h"
 #include "realtime/team_guard.h"
 #include "setup/build_model.h"
@@ -51,7 +51,7 @@ std::vector<TimedRequest> pressAndDrag(int ticks) {
     pose.position += Vec3(0.005 * along, 0, -0.004 * down);
     poses.push_back(pose);
   }
-  return trackFromPoses(poses);
+  return test::trackFromPoses(poses);
 }
 
 SimulationLoopOptions pressing(int ticks, bool fast = true) {
