@@ -1,5 +1,6 @@
 #include "api/border.h"
 #include "api/handles.h"
+#include "contact/samples/face_samples.h"
 #include "contact/skin.h"
 #include "step/tool_bodies.h"
 
@@ -42,25 +43,12 @@ void putPlace(const SurfaceTree& tree, int triangle, const Vec3& point, palpate_
 /// Calls call(tool, position, outward normal of the tool, force on the tissue) for each contact point with a force.
 template <class Call>
 void forEachContactPoint(const Model& model, const State& state, Call call) {
-  const Float4* const u = state.u.data();
   for (int b = 0; b < model.tools.bodyCount(); ++b) {
     const ToolBody& body = model.tools.body[b];
     const Quat turn = bodyPose(body, state.tool[body.tool]).orientation;
-    const ContactState& contact = state.contact[b];
-    const auto one = [&](const Vec3& at, const Vec3f& normal, const Float4& force) {
-      if (isZero(force)) return;
-      call(body.tool, at, turn * normal.cast<double>(), toVec3(force));
-    };
-    for (std::size_t c = 0; c < static_cast<std::size_t>(contact.count); ++c)
-      one(skinPosition(model.skin, contact.vertex[c], u), contact.normal[c], contact.force[c]);
-    const FaceSamples& samples = contact.samples;
-    for (std::size_t s = 0; s < static_cast<std::size_t>(samples.count); ++s) {
-      const SkinPoint& point = samples.point[s];
-      Vec3 at = Vec3::Zero();
-      for (std::size_t k = 0; k < static_cast<std::size_t>(point.corners); ++k)
-        at += static_cast<double>(point.share[k]) * skinPosition(model.skin, point.vertex[k], u);
-      one(at, samples.normal[s], samples.force[s]);
-    }
+    forEachTouched(state.contact[b], [&](const Vec3& force, const Vec3f& normal, const SkinPoint& point) {
+      call(body.tool, skinPosition(model.skin, point, state.u.data()), turn * normal.cast<double>(), force);
+    });
   }
 }
 

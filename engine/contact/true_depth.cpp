@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/samples/face_samples.h"
 #include "discretization/surface/surface_geometry.h"
 
 namespace palpate {
@@ -13,22 +14,6 @@ namespace {
 /// sides of a foremost point. Skin is no finer than 20 degrees of a ball; counted in full or not at all, within 11,
 /// vertices that come and go moved the depth to and fro by half a millimetre in a press of 7.
 constexpr double kUnderTheTip = 0.1;
-
-/// Calls use(force on the tissue, outward normal of the tool in its frame, point of the skin) for all that touches.
-template <class Use>
-void forEachTouched(const ContactState& contact, const Use& use) {
-  for (int c = 0; c < contact.count; ++c) {
-    const auto k = static_cast<std::size_t>(c);
-    const double f = toVec3(contact.force[k]).norm();
-    if (f > 0) use(f, contact.normal[k], SkinPoint{1, {contact.vertex[k]}, {1}});
-  }
-  const FaceSamples& samples = contact.samples;
-  for (int c = 0; c < samples.count; ++c) {
-    const auto k = static_cast<std::size_t>(c);
-    const double f = toVec3(samples.force[k]).norm();
-    if (f > 0) use(f, samples.normal[k], samples.point[k]);
-  }
-}
 
 /// The skin's normal at rest while it is within 26 degrees of the contact's; from 37 on the tissue has turned.
 /// @param at_rest, of_contact  unit
@@ -56,19 +41,21 @@ double TrueDepth::support(const Vec3& direction) const {
 
 double TrueDepth::of(const Pose& tool, const ContactState& contact) const {
   Vec3 sum = Vec3::Zero();  // tool's frame
-  forEachTouched(contact, [&](double f, const Vec3f& normal, const SkinPoint&) { sum += f * normal.cast<double>(); });
+  forEachTouched(contact, [&](const Vec3& force, const Vec3f& normal, const SkinPoint&) {
+    sum += force.norm() * normal.cast<double>();
+  });
   if (!(sum.norm() > 0)) return std::min(0.0, -gap(tool));
   const Vec3 push = sum.normalized();
 
   // The best aligned first: a tool that touches around its foremost point, as a hollow one would, has none there.
   double best = -1;
-  forEachTouched(contact, [&](double, const Vec3f& normal, const SkinPoint&) {
+  forEachTouched(contact, [&](const Vec3&, const Vec3f& normal, const SkinPoint&) {
     best = std::max(best, push.dot(normal.cast<double>()));
   });
   double weight = 0;
   Vec3 rest = Vec3::Zero(), at_rest = Vec3::Zero();
-  forEachTouched(contact, [&](double f, const Vec3f& normal, const SkinPoint& point) {
-    const double w = f * std::max(0.0, push.dot(normal.cast<double>()) - best + kUnderTheTip);
+  forEachTouched(contact, [&](const Vec3& force, const Vec3f& normal, const SkinPoint& point) {
+    const double w = force.norm() * std::max(0.0, push.dot(normal.cast<double>()) - best + kUnderTheTip);
     weight += w;
     for (std::size_t a = 0; a < static_cast<std::size_t>(point.corners); ++a) {
       const auto v = static_cast<std::size_t>(point.vertex[a]);
