@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
+#include "approximation/node_entries.h"
 #include "discretization/cells/background_cells.h"
 #include "mechanics/bounded_pressure.h"
 #include "mechanics/cell_volume.h"
@@ -76,18 +76,10 @@ void addTables(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
   result.row_begin = shape.begin;
   result.row_node.assign(shape.node.begin(), shape.node.end());
   std::transform(shape.N.begin(), shape.N.end(), std::back_inserter(result.row_N), real);
-  result.column_begin.assign(static_cast<std::size_t>(spec.node_count) + 1, 0);
-  for (const int j : shape.node) ++result.column_begin[j + 1];
-  std::partial_sum(result.column_begin.begin(), result.column_begin.end(), result.column_begin.begin());
-  result.column_node.resize(shape.node.size());
-  result.column_N.resize(shape.node.size());
-  std::vector<int> next(result.column_begin.begin(), result.column_begin.end() - 1);
-  for (int a = 0; a < shape.rowCount(); ++a)
-    for (int e = shape.begin[a]; e < shape.begin[a + 1]; ++e) {
-      const int at = next[shape.node[e]]++;
-      result.column_node[at] = a;
-      result.column_N[at] = real(shape.N[e]);
-    }
+  const NodeEntries columns = nodeEntries(shape, static_cast<std::size_t>(spec.node_count));
+  result.column_begin = columns.begin;
+  result.column_node.assign(columns.point.begin(), columns.point.end());
+  for (const int e : columns.entry) result.column_N.push_back(real(shape.N[e]));
 }
 
 template <class Real>
