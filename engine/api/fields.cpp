@@ -47,21 +47,11 @@ std::int32_t misfit(const palpate_points* points, const palpate_simulation* simu
   return otherThan("count", count, static_cast<std::size_t>(points->count()));
 }
 
-/// The field of nodal values at a point.
-template <class Values>
-Vec3 fieldAt(const ShapeTable& shape, std::size_t row, const Values& values) {
-  Vec3 sum = Vec3::Zero();
-  for (int e = shape.begin[row]; e < shape.begin[row + 1]; ++e) {
-    const auto entry = static_cast<std::size_t>(e);
-    sum += shape.N[entry] * toVec3(values[static_cast<std::size_t>(shape.node[entry])]);
-  }
-  return sum;
-}
-
 template <class Values>
 void putField(const palpate_points::Rows& rows, const Values& values, double factor, double* out) {
-  for (int k = 0; k < rows.shape->rowCount(); ++k)
-    put(factor * fieldAt(*rows.shape, static_cast<std::size_t>(k), values), out + 3 * k);
+  const auto value = [&](int i) { return toVec3(values[static_cast<std::size_t>(i)]); };
+  for (std::size_t k = 0; k + 1 < rows.shape->begin.size(); ++k)
+    put(factor * fieldAt(*rows.shape, k, value), out + 3 * k);
 }
 
 }  // namespace

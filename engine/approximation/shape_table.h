@@ -16,6 +16,23 @@ struct ShapeTable {
 
   int rowCount() const { return begin.empty() ? 0 : static_cast<int>(begin.size()) - 1; }
   double meanSupport() const { return rowCount() == 0 ? 0.0 : static_cast<double>(node.size()) / rowCount(); }
+
+  /// A row of another table at the end, without gradients. @pre  begin is not empty
+  void appendValues(const ShapeTable& from, int row) {
+    const int first = from.begin[row], end = from.begin[row + 1];
+    node.insert(node.end(), from.node.begin() + first, from.node.begin() + end);
+    N.insert(N.end(), from.N.begin() + first, from.N.begin() + end);
+    begin.push_back(static_cast<int>(node.size()));
+  }
 };
+
+/// What a row makes of a nodal field: sum_i N_i value(i).
+/// @param rows  a ShapeTable, or what has its begin, node and N
+template <class Rows, class Value>
+Vec3 fieldAt(const Rows& rows, std::size_t row, const Value& value) {
+  Vec3 sum = Vec3::Zero();
+  for (int e = rows.begin[row]; e < rows.begin[row + 1]; ++e) sum += rows.N[e] * value(rows.node[e]);
+  return sum;
+}
 
 }  // namespace palpate

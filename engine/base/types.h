@@ -65,4 +65,11 @@ struct AlignedAllocator {
 template <class T>
 using AlignedVector = std::vector<T, AlignedAllocator<T>>;
 
+inline AlignedVector<Double4> inDouble(const AlignedVector<Float4>& field) {
+  AlignedVector<Double4> result;
+  result.reserve(field.size());
+  for (const Float4& a : field) result.push_back({a.x, a.y, a.z, 0});
+  return result;
+}
+
 }  // namespace palpate

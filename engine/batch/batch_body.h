@@ -124,9 +124,8 @@ class BatchBody {
 /// The displacement field at rows of a ShapeTable or SkinModel, m: sum_i N_i u_i.  (row_count)
 template <class Rows>
 std::vector<Vec3> fieldAt(const Rows& rows, const AlignedVector<Double4>& u) {
-  std::vector<Vec3> field(rows.begin.size() - 1, Vec3::Zero());
-  for (std::size_t r = 0; r < field.size(); ++r)
-    for (int k = rows.begin[r]; k < rows.begin[r + 1]; ++k) field[r] += rows.N[k] * toVec3(u[rows.node[k]]);
+  std::vector<Vec3> field(rows.begin.size() - 1);
+  for (std::size_t r = 0; r < field.size(); ++r) field[r] = fieldAt(rows, r, [&](int i) { return toVec3(u[i]); });
   return field;
 }
 

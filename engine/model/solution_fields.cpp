@@ -60,10 +60,8 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
 
 SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u, const PointHistory& history) {
   SolutionFields fields;
-  fields.displacement.assign(model.nodeCount(), Vec3::Zero());
-  for (int i = 0; i < model.nodeCount(); ++i)
-    for (int e = model.node_shape.begin[i]; e < model.node_shape.begin[i + 1]; ++e)
-      fields.displacement[i] += model.node_shape.N[e] * u[model.node_shape.node[e]];
+  for (std::size_t i = 0; i < model.X.size(); ++i)
+    fields.displacement.push_back(fieldAt(model.node_shape, i, [&](int j) -> const Vec3& { return u[j]; }));
 
   std::vector<Mat3> F;
   const auto P = pointStresses(model, u, F, history);

@@ -57,11 +57,10 @@ ShapeTable merged(const std::vector<ShapeTable>& tables, const std::vector<std::
   all.begin.push_back(0);
   for (const auto& [t, r] : from) {
     const ShapeTable& table = tables[static_cast<std::size_t>(t)];
-    const auto begin = table.begin[static_cast<std::size_t>(r)], end = table.begin[static_cast<std::size_t>(r) + 1];
-    all.node.insert(all.node.end(), table.node.begin() + begin, table.node.begin() + end);
-    all.N.insert(all.N.end(), table.N.begin() + begin, table.N.begin() + end);
-    if (!table.gradN.empty()) all.gradN.insert(all.gradN.end(), table.gradN.begin() + begin, table.gradN.begin() + end);
-    all.begin.push_back(static_cast<int>(all.node.size()));
+    all.appendValues(table, r);
+    if (table.gradN.empty()) continue;
+    const auto gradients = table.gradN.begin();
+    all.gradN.insert(all.gradN.end(), gradients + table.begin[r], gradients + table.begin[r + 1]);
   }
   return all;
 }

@@ -178,14 +178,8 @@ ShapeTable rowsOf(const ShapeTable& table, const std::vector<ImposedNode>& nodes
   ShapeTable rows;
   rows.begin.push_back(0);
   int point = 0;
-  for (const auto& node : nodes) {
-    const ShapeTable& from = node.node < 0 ? point_table : table;
-    const int row = node.node < 0 ? point++ : node.node;
-    const int begin = from.begin[row], end = from.begin[row + 1];
-    rows.node.insert(rows.node.end(), from.node.begin() + begin, from.node.begin() + end);
-    rows.N.insert(rows.N.end(), from.N.begin() + begin, from.N.begin() + end);
-    rows.begin.push_back(static_cast<int>(rows.node.size()));
-  }
+  for (const auto& node : nodes)
+    node.node < 0 ? rows.appendValues(point_table, point++) : rows.appendValues(table, node.node);
   return rows;
 }
 

@@ -23,16 +23,6 @@ bool sameRow(const Model& a, int k, const Model& b, int i, const std::vector<int
   return true;
 }
 
-/// A row of a table at the end of another.
-void addRow(const ShapeTable& table, int row, ShapeTable& rows) {
-  if (rows.begin.empty()) rows.begin.push_back(0);
-  rows.node.insert(rows.node.end(), table.node.begin() + table.begin[row], table.node.begin() + table.begin[row + 1]);
-  rows.N.insert(rows.N.end(), table.N.begin() + table.begin[row], table.N.begin() + table.begin[row + 1]);
-  rows.begin.push_back(static_cast<int>(rows.node.size()));
-}
-
-Vec3 vectorOf(const Float4& a) { return {a.x, a.y, a.z}; }
-
 using Both = PassageScratch::Both;
 
 constexpr int passage_parts = 8;  // of the work, whatever the team
@@ -50,17 +40,9 @@ Both sumOf(const Passage::Rows& rows, std::size_t row, const AlignedVector<Both>
   return sum;
 }
 
-/// A's field at a row's node, m.
-template <class Value>
-Vec3 fieldAt(const ShapeTable& table, std::size_t row, const Value& value) {
-  Vec3 sum = Vec3::Zero();
-  for (int e = table.begin[row]; e < table.begin[row + 1]; ++e) sum += table.N[e] * value(table.node[e]);
-  return sum;
-}
-
 void setDisplacement(const Vec3& u, std::size_t i, State& state) {
   state.u[i] = toFloat4(u);
-  state.u_low[i] = toFloat4(u - vectorOf(state.u[i]));
+  state.u_low[i] = toFloat4(u - toVec3(state.u[i]));
 }
 
 /// What the sweeps change of the parameters of passage.node, into scratch.change; new nodes have the field's value.
@@ -75,9 +57,9 @@ void solve(const Passage& passage, const State& before, PassageScratch& scratch,
   inParts(team, passage.fresh.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const auto row = static_cast<std::size_t>(passage.fresh[f]), i = static_cast<std::size_t>(passage.node[row]);
-      const auto whole = [&](int k) -> Vec3 { return vectorOf(before.u[k]) + vectorOf(before.u_low[k]); };
+      const auto whole = [&](int k) -> Vec3 { return toVec3(before.u[k]) + toVec3(before.u_low[k]); };
       setDisplacement(fieldAt(passage.at, row, whole), i, state);
-      state.du[i] = toFloat4(fieldAt(passage.at, row, [&](int k) { return vectorOf(before.du[k]); }));
+      state.du[i] = toFloat4(fieldAt(passage.at, row, [&](int k) { return toVec3(before.du[k]); }));
       const Float4 &u = state.u[i], &du = state.du[i];
       scratch.before[before.u.size() + f] << u.x, u.y, u.z, 0, du.x, du.y, du.z, 0;
     }
@@ -113,8 +95,8 @@ void carryTissue(const Place& b, const Passage& passage, const State& before, Pa
   for (std::size_t r = 0; r < passage.node.size(); ++r) {
     const auto i = static_cast<std::size_t>(passage.node[r]);
     const Both& change = scratch.change[r];
-    setDisplacement(vectorOf(state.u[i]) + vectorOf(state.u_low[i]) + change.head<3>().cast<double>(), i, state);
-    state.du[i] = toFloat4(Vec3(vectorOf(state.du[i]) + change.segment<3>(4).cast<double>()));
+    setDisplacement(toVec3(state.u[i]) + toVec3(state.u_low[i]) + change.head<3>().cast<double>(), i, state);
+    state.du[i] = toFloat4(Vec3(toVec3(state.du[i]) + change.segment<3>(4).cast<double>()));
   }
 
   std::fill(state.local_mass.factor.begin(), state.local_mass.factor.end(), 1.0F);
@@ -207,7 +189,7 @@ Passage makePassage(const Place& a, const Place& b) {
     passage.node.push_back(i);
     moved.push_back(b.model.X[i]);
     body.push_back(b.model.bodyOfNode(i));
-    addRow(b.model.node_shape, i, passage.own);
+    passage.own.appendValues(b.model.node_shape, i);
   }
   std::vector<InadmissibleSupport> failed;
   const ShapeTable shape = shapeAt(a.model, moved, body, failed);
@@ -215,9 +197,9 @@ Passage makePassage(const Place& a, const Place& b) {
   for (std::size_t r = 0; r < passage.node.size(); ++r) {
     const int k = passage.from[passage.node[r]];
     if (k >= 0 && (a.model.X[k] - moved[r]).norm() <= same_place)
-      addRow(a.model.node_shape, k, passage.at);  // at borders between materials a node's own parameter
+      passage.at.appendValues(a.model.node_shape, k);  // at borders between materials a node's own parameter
     else
-      addRow(shape, static_cast<int>(r), passage.at);
+      passage.at.appendValues(shape, static_cast<int>(r));
   }
   passage.complete(a.model.nodeCount());
   passage.history = makeHistoryPassage(a.model, b.model);

@@ -340,12 +340,10 @@ void addLast(const Model& model, const State& state, const StepReport& report, d
     trust.add(doubtOfError(report.expected_error), report, time);
     return;
   }
-  AlignedVector<Double4> u;
-  for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
   const bool at_rest = !(report.strain_energy > model.rest_energy);
   double error = at_rest ? 0
-                         : expectedError(model, state.live.kernel.materials, u, report.strain_energy, presses,
-                                         {state.tool.begin(), state.tool.end()});
+                         : expectedError(model, state.live.kernel.materials, inDouble(state.u), report.strain_energy,
+                                         presses, {state.tool.begin(), state.tool.end()});
   if (!std::isfinite(error)) return;
   const bool touches = presses.count > 0;
   error = std::hypot(error, rimShare<float>(model, state.contact, {state.tool.begin(), state.tool.end()},

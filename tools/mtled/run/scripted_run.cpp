@@ -37,12 +37,6 @@ ShapeTable probeShape(const Model& model, const std::vector<Vec3>& probes) {
   return shape;
 }
 
-AlignedVector<Double4> inDouble(const AlignedVector<Float4>& u) {
-  AlignedVector<Double4> result;
-  for (const Float4& a : u) result.push_back({a.x, a.y, a.z, 0});
-  return result;
-}
-
 /// @param tickTo  advances to where the tools are then; adds what that came to
 template <class TickTo>
 void follow(const ToolTrajectory& way, ScriptedRun& run, TickTo&& tickTo) {
