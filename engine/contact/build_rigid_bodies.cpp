@@ -53,17 +53,6 @@ double apartOn(const RigidShape& shape, double spacing) {
   return round ? std::min(by_spacing, point_distance_on_round * shape.radius) : by_spacing;
 }
 
-/// Largest sum of a point's |N|.
-double rowSum(const SkinModel& skin, const std::vector<int>& points) {
-  double largest = 1;
-  for (const int v : points) {
-    double sum = 0;
-    for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) sum += std::abs(static_cast<double>(skin.N[e]));
-    largest = std::max(largest, sum);
-  }
-  return largest;
-}
-
 }  // namespace
 
 RigidShape surfaceShape(const SurfaceTree& surface, const SurfaceSide& side, double spacing) {
@@ -103,8 +92,8 @@ void addRigidBody(RigidBody body, const SkinModel& skin, const std::vector<int>&
     const double gap = gap_at_rest ? body.shape.gapAt(skin.surface.vertices[v], normal) : 0;
     const bool exact = gap_at_rest && gap < RigidShape::away;
     bodies.correction.push_back(exact ? static_cast<float>(*gap_at_rest - gap) : 0.0F);
+    bodies.row_sum = std::max(bodies.row_sum, rowSum(skin, v));
   }
-  bodies.row_sum = std::max(bodies.row_sum, rowSum(skin, points));
   bodies.body.push_back(std::move(body));
 }
 

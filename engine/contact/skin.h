@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -99,6 +100,13 @@ inline void prefetchVertex(const SkinModel& skin, int v) {
 /// @param position  (vertex_count) scratch
 /// Real-time: no allocation, no lock, no throw; an interpolation for each vertex.
 bool isInside(const SkinModel& skin, const Float4* u, const Vec3& point, std::vector<Vec3f>& position);
+
+/// sum_i |N_i| of skin vertex v: how much further than nodes it goes at most.
+inline double rowSum(const SkinModel& skin, int v) {
+  double sum = 0;
+  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) sum += std::abs(static_cast<double>(skin.N[e]));
+  return sum;
+}
 
 /// Where skin vertex v is now, m. Real-time.
 inline Vec3 skinPosition(const SkinModel& skin, int v, const Float4* u) {

@@ -168,11 +168,7 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing, const SpacingFi
 
 void addRows(const SkinModel& skin, SkinBodies& bodies) {
   addRegionNodes(skin, bodies);
-  for (int v = 0; v < skin.vertexCount(); ++v) {
-    double sum = 0;
-    for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) sum += std::abs(static_cast<double>(skin.N[e]));
-    bodies.row_sum = std::max(bodies.row_sum, sum);
-  }
+  for (int v = 0; v < skin.vertexCount(); ++v) bodies.row_sum = std::max(bodies.row_sum, rowSum(skin, v));
   for (const int i : skin.node) bodies.node_count = std::max(bodies.node_count, i + 1);
 }
 
