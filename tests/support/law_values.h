@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "mechanics/materials/material_law.h"
@@ -60,23 +61,42 @@ inline std::vector<Material> plausibleMaterials(const MaterialLaw& law, int coun
   return all;
 }
 
-/// Irregular deformation gradients, some of them nearly collapsed and inverted.
+/// An irregular F of a given determinant.
+inline Mat3 withJ(double J) {
+  Mat3 F;
+  F << 1.1, 0.2, -0.1, 0.05, 0.9, 0.3, -0.2, 0.1, 1.0;
+  F.col(2) *= J / F.determinant();
+  return F;
+}
+
+/// Deformation gradients: rest, repeated and nearly repeated stretches, irregular ones, some of them nearly collapsed
+/// and inverted; and fifteen of them turned by 90 degrees.
 inline std::vector<Mat3> irregularStates() {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(-0.35, 0.35);
-  std::vector<Mat3> all{Mat3::Identity(), Vec3(2, 2, 0.25).asDiagonal(), Vec3(0.9, 1.0, -0.2).asDiagonal()};
+  std::vector<Mat3> all{Mat3::Identity(), 1.1 * Mat3::Identity(), Vec3(2, 2, 0.25).asDiagonal(),
+                        Vec3(1.9, 2.05, 0.25).asDiagonal(), Vec3(0.9, 1.0, -0.2).asDiagonal()};
   for (int k = 0; k < 40; ++k) {
     Mat3 F = Mat3::Identity();
     for (int c = 0; c < 9; ++c) F(c / 3, c % 3) += unit(random);
     all.push_back(F);
   }
-  for (const double J : {0.6, 0.3, 0.1, 0.01, -0.1, -0.5}) {
-    Mat3 F;
-    F << 1.1, 0.2, -0.1, 0.05, 0.9, 0.3, -0.2, 0.1, 1.0;
-    F.col(2) *= J / F.determinant();
-    all.push_back(F);
-  }
+  for (const double J : {0.6, 0.3, 0.1, 0.01, -0.1, -0.5}) all.push_back(withJ(J));
+  const Mat3 turn = Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX()).toRotationMatrix();
+  for (std::size_t k = 0; k < 15; ++k) all.emplace_back(turn * all[k]);
   return all;
+}
+
+/// The stress by central differences of the energy, `e` to both sides.
+inline Mat3 energyDifferences(const Material& m, const Mat3& F, double e) {
+  Mat3 P;
+  for (int k = 0; k < 9; ++k) {
+    Mat3 ahead = F, behind = F;
+    ahead(k / 3, k % 3) += e;
+    behind(k / 3, k % 3) -= e;
+    P(k / 3, k % 3) = (m.energy(ahead) - m.energy(behind)) / (2 * e);
+  }
+  return P;
 }
 
 }  // namespace palpate::test

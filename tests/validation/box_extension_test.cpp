@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <fstream>
-#include <sstream>
 
 #include "base/build_info.h"
 #include "discretization/surface/solids.h"
+#include "io/csv_table.h"
 #include "mechanics/internal_forces.h"
 #include "setup/body_points.h"
 #include "setup/build_model.h"
@@ -21,18 +20,10 @@ struct Probe {
 
 /// Converged mixed finite elements (tests/reference/README.md): probes within 1 um.
 std::vector<Probe> referenceProbes() {
-  std::ifstream file(sourceFolder() + "/tests/reference/box_extension_probes.csv");
-  REQUIRE(file);
+  const auto column = readCsvTable(sourceFolder() + "/tests/reference/box_extension_probes.csv").column;
   std::vector<Probe> probes;
-  std::string line;
-  std::getline(file, line);
-  while (std::getline(file, line)) {
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream in(line);
-    Probe p;
-    in >> p.X[0] >> p.X[1] >> p.X[2] >> p.u[0] >> p.u[1] >> p.u[2];
-    probes.push_back(p);
-  }
+  for (std::size_t k = 0; k < column[0].size(); ++k)
+    probes.push_back({{column[0][k], column[1][k], column[2][k]}, {column[3][k], column[4][k], column[5][k]}});
   return probes;
 }
 

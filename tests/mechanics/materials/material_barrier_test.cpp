@@ -1,12 +1,12 @@
-#include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
 
-#include "mechanics/materials/material.h"
 #include "support/law_lanes.h"
+#include "support/law_values.h"
 
 using namespace palpate;
+using namespace palpate::test;
 
 // Material::barrier_strength: what keeps points from collapsing, below barrier_J0 only.
 
@@ -23,28 +23,6 @@ Material barred(Material m, double strength = 1.5, double J0 = 0.5) {
   return m;
 }
 
-/// An irregular F of a given determinant.
-Mat3 withJ(double J) {
-  Mat3 F;
-  F << 1.1, 0.2, -0.1, 0.05, 0.9, 0.3, -0.2, 0.1, 1.0;
-  F.col(2) *= J / F.determinant();
-  return F;
-}
-
-template <class Real>
-Mat3 lanesPiola(const Material& m, const Mat3& F) {
-  SimdTensor<Real> H, P;
-  for (int k = 0; k < 9; ++k) H[k] = static_cast<Real>((F - Mat3::Identity())(k / 3, k % 3));
-  test::lanesFirstPiola(m, H, P);
-  Mat3 r;
-  alignas(64) Real a[Simd<Real>::width];
-  for (int k = 0; k < 9; ++k) {
-    P[k].store(a);
-    r(k / 3, k % 3) = static_cast<double>(a[Simd<Real>::width - 1]);
-  }
-  return r;
-}
-
 }  // namespace
 
 TEST_CASE("With the barrier too, stress is the derivative of the energy, inverted states included",
@@ -52,16 +30,11 @@ TEST_CASE("With the barrier too, stress is the derivative of the energy, inverte
   for (const Material& plain : plainMaterials()) {
     const Material m = barred(plain);
     for (const double J : {0.6, 0.45, 0.2, 0.05, 0.01, -0.1, -0.5}) {
-      const Mat3 F = withJ(J), P = m.firstPiola(F);
-      const double e = 1e-6;
+      const Mat3 P = m.firstPiola(withJ(J)), difference = energyDifferences(m, withJ(J), 1e-6);
       for (int k = 0; k < 9; ++k) {
-        Mat3 ahead = F, behind = F;
-        ahead(k / 3, k % 3) += e;
-        behind(k / 3, k % 3) -= e;
-        const double difference = (m.energy(ahead) - m.energy(behind)) / (2 * e);
         INFO("J " << J << " component " << k);
         // Rounding of energies of K over 2 e, and e^2 of a third derivative that grows as 1 / J^2.
-        CHECK(difference == Approx(P(k / 3, k % 3)).epsilon(1e-6).margin(1e-7 * m.bulk_modulus));
+        CHECK(difference(k) == Approx(P(k)).epsilon(1e-6).margin(1e-7 * m.bulk_modulus));
       }
     }
   }
@@ -116,7 +89,7 @@ TEST_CASE("The lanes' barrier is the scalar one's", "[material][barrier][kernel]
     const Material m = barred(plain);
     for (const double J : {1.2, 0.55, 0.499, 0.3, 0.1, 0.03, -0.2, -0.8}) {
       const Mat3 F = withJ(J), exact = m.firstPiola(F);
-      // Roundings of F times K |cof F| as in material_test.cpp, the barrier's being b / J times that.
+      // Roundings of F times K |cof F| as in registered_laws_test.cpp, the barrier's being b / J times that.
       const double slope = J < m.barrier_J0 ? m.barrier_strength / std::max(J, Material::min_isochoric_J) : 0;
       const double scale = m.bulk_modulus * (1 + F.norm() * F.norm()) * F.norm() * (1 + slope) + exact.norm();
       INFO("J " << J << " double " << (lanesPiola<double>(m, F) - exact).norm() / scale << " float "
