@@ -76,29 +76,3 @@ TEST_CASE("A cone on a Winkler foundation", "[contact][cone][whole]") {
   CHECK(std::abs(error) < 1.3 * std::pow(spec.node_spacing / a, 2));
   CHECK((force - bed.springForce()).norm() < 1e-3 * force.z());
 }
-
-TEST_CASE("A cone moves as smoothly as the other tools, in, across and out", "[contact][cone][whole]") {
-  const ToolShape tool = ToolShape::of(ToolKind::Cone, 0.01);
-  for (const double friction : {0.0, 0.3}) {
-    SpringBed bed(tissueLike());
-    bed.place(tool, tipAt(0.0003, 0.0007, 0.001));
-    double peak = 0.0, change = 0.0, deepest = 0.0;
-    Vec3 last = Vec3::Zero(), velocity = Vec3::Zero();
-    for (const Vec3& wanted : {Vec3(0.01 * kDown), Vec3(0.01 * Vec3::UnitX()), Vec3(-0.01 * kDown)}) {
-      const Vec3 from = velocity;
-      for (int k = 0; k < 300; ++k) {  // the hand takes 50 ms to change its speed
-        velocity = from + std::min(1.0, k / 25.0) * (wanted - from);
-        const Vec3 force = move(bed, tool, 1, velocity, friction);
-        change = std::max(change, (force - last).norm());
-        peak = std::max(peak, force.norm());
-        last = force;
-        deepest = std::max(deepest, bed.deepest(tool));
-      }
-    }
-    std::printf("smooth: cone mu %.1f peak %.3f N, worst tick %.2f %%, penetration %.2f %% R\n", friction, peak,
-                100 * change / peak, 100 * deepest / tool.radius);
-    CHECK(change < 0.03 * peak);
-    CHECK(deepest < 0.02 * tool.radius);
-    CHECK(last.norm() == 0.0);
-  }
-}

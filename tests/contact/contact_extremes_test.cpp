@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string_view>
 
+#include "base/key.h"
 #include "contact/bed_motion.h"
 #include "support/realtime_guard.h"
 
@@ -15,14 +17,10 @@ using namespace palpate;
 namespace {
 
 std::uint64_t hashOf(const SpringBed& bed) {
-  std::uint64_t hash = 1469598103934665603ull;
-  auto add = [&](const AlignedVector<Float4>& a) {
-    const auto* bytes = reinterpret_cast<const unsigned char*>(a.data());
-    for (std::size_t i = 0; i < a.size() * sizeof(Float4); ++i) hash = (hash ^ bytes[i]) * 1099511628211ull;
+  const auto bytes = [](const AlignedVector<Float4>& a) {
+    return std::string_view(reinterpret_cast<const char*>(a.data()), a.size() * sizeof(Float4));
   };
-  add(bed.u);
-  add(bed.du);
-  return hash;
+  return fnv1a(bytes(bed.du), fnv1a(bytes(bed.u)));
 }
 
 }  // namespace

@@ -8,6 +8,31 @@ using namespace palpate;
 
 // The contact law, against closed forms.
 
+namespace {
+
+/// Presses the tool 1 mm into a coarse and a fine Winkler foundation: the force over the foundation's stiffness is
+/// `volume(depth)` with an error below `bound(node_spacing, depth)`, of which the fine one has less than `share`.
+template <class Volume, class Bound>
+void checkOnWinklerBeds(const char* name, const ToolShape& tool, double half_width, double share, Volume&& volume,
+                        Bound&& bound) {
+  double error[2];
+  for (int fine : {0, 1}) {
+    const SpringBed::Spec spec = winkler(half_width, fine == 0 ? 0.0025 : 0.00125);
+    SpringBed bed(spec);
+    bed.place(tool, tipAt(0.0003, 0.0007, 0));
+    move(bed, tool, 25, 0.02 * kDown);
+    const Vec3 force = move(bed, tool, 250, Vec3::Zero());
+    const double d = -bed.pose.position.z();
+    error[fine] = force.z() / (spec.foundation * volume(d)) - 1.0;
+    CHECK(std::abs(error[fine]) < bound(spec.node_spacing, d));
+    CHECK((force - bed.springForce()).norm() < 1e-3 * force.z());
+  }
+  std::printf("%s on Winkler bed: error %.2f %% -> %.2f %%\n", name, 100 * error[0], 100 * error[1]);
+  CHECK(std::abs(error[1]) < share * std::abs(error[0]));
+}
+
+}  // namespace
+
 TEST_CASE("A plate on the whole bed: springs and contact layer in series", "[contact][whole]") {
   // Every vertex is under the flat end, so p = kappa (d - p / k) everywhere: F = A d kappa k / (kappa + k).
   const ToolShape plate = toolOf(ToolKind::FlatCylinder, 0.1);
@@ -28,42 +53,18 @@ TEST_CASE("A sphere on a Winkler foundation", "[contact][whole]") {
   // F = kappa * (volume of the cap below the surface) = kappa pi (R d^2 - d^3 / 3). The discrete bed gives
   // way a node's width h beyond the contact's radius a: an error of order (h / a)^2, a^2 = 2 R d.
   const ToolShape tool = toolOf(ToolKind::Sphere, 0.02);
-  double error[2];
-  for (int fine : {0, 1}) {
-    const SpringBed::Spec spec = winkler(0.015, fine == 0 ? 0.0025 : 0.00125);
-    SpringBed bed(spec);
-    bed.place(tool, tipAt(0.0003, 0.0007, 0));
-    move(bed, tool, 25, 0.02 * kDown);
-    const Vec3 force = move(bed, tool, 250, Vec3::Zero());
-    const double d = -bed.pose.position.z();
-    const double exact = spec.foundation * M_PI * (tool.radius * d * d - d * d * d / 3.0);
-    const double h_over_a_squared = std::pow(spec.node_spacing, 2) / (2.0 * tool.radius * d);
-    error[fine] = force.z() / exact - 1.0;
-    CHECK(std::abs(error[fine]) < 1.3 * h_over_a_squared);
-    CHECK((force - bed.springForce()).norm() < 1e-3 * force.z());
-  }
-  std::printf("sphere on Winkler bed: error %.2f %% -> %.2f %%\n", 100 * error[0], 100 * error[1]);
-  CHECK(std::abs(error[1]) < 0.4 * std::abs(error[0]));
+  checkOnWinklerBeds(
+      "sphere", tool, 0.015, 0.4, [&](double d) { return M_PI * (tool.radius * d * d - d * d * d / 3.0); },
+      [&](double h, double d) { return 1.3 * h * h / (2.0 * tool.radius * d); });
 }
 
 TEST_CASE("A flat punch on a Winkler foundation", "[contact][whole]") {
   // F = kappa pi R^2 d. Splines can't break off at the rim: the bed gives way over half their
   // width (1.5 h) more, by half the depth on average: an error of at most 2 * 0.75 h / R.
   const ToolShape tool{ToolKind::FlatCylinder, 0.01, 0.06, {0.0005}};
-  double error[2];
-  for (int fine : {0, 1}) {
-    const SpringBed::Spec spec = winkler(0.02, fine == 0 ? 0.0025 : 0.00125);
-    SpringBed bed(spec);
-    bed.place(tool, tipAt(0.0003, 0.0007, 0));
-    move(bed, tool, 25, 0.02 * kDown);
-    const Vec3 force = move(bed, tool, 250, Vec3::Zero());
-    const double d = -bed.pose.position.z();
-    error[fine] = force.z() / (spec.foundation * M_PI * tool.radius * tool.radius * d) - 1.0;
-    CHECK(std::abs(error[fine]) < 1.5 * spec.node_spacing / tool.radius);
-    CHECK((force - bed.springForce()).norm() < 1e-3 * force.z());
-  }
-  std::printf("punch on Winkler bed: error %.2f %% -> %.2f %%\n", 100 * error[0], 100 * error[1]);
-  CHECK(std::abs(error[1]) < 0.6 * std::abs(error[0]));
+  checkOnWinklerBeds(
+      "punch", tool, 0.02, 0.6, [&](double d) { return M_PI * tool.radius * tool.radius * d; },
+      [&](double h, double) { return 1.5 * h / tool.radius; });
 }
 
 TEST_CASE("The contact law holds at the end of a step, vertex by vertex", "[contact]") {
@@ -151,7 +152,9 @@ TEST_CASE("Moving at 10 mm/s the raw force changes smoothly, in, across and out"
                         {ToolKind::Sphere, 0.3},
                         {ToolKind::FlatCylinder, 0.0},
                         {ToolKind::FlatCylinder, 0.3},
-                        {ToolKind::Capsule, 0.3}}) {
+                        {ToolKind::Capsule, 0.3},
+                        {ToolKind::Cone, 0.0},
+                        {ToolKind::Cone, 0.3}}) {
     const ToolShape tool = toolOf(c.kind);
     SpringBed bed(tissueLike());
     bed.place(tool, tipAt(0.0003, 0.0007, 0.001));
