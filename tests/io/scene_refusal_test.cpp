@@ -4,6 +4,7 @@
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "io/scene_texts.h"
+#include "support/bad_texts.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -12,10 +13,7 @@ using Catch::Contains;
 
 TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][refusal]") {
   TempFolder folder;
-  struct Bad {
-    const char *what, *with, *place, *problem, *advice;
-  };
-  const Bad bad[] = {
+  const std::vector<BadText> bad = {
       // not TOML
       {"rate = 1000", "rate = ", ":44:8", "not valid TOML", "key = value"},
       {"rate = 1000", "rate = 1000\nrate = 500", ":45:", "not valid TOML", "rate"},
@@ -101,15 +99,7 @@ TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][ref
       {"shape = \"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005",
        "shape = \"capsule\"\nradius = 0.005\nlength = 0.003", ":52:1", "shorter than two radii", "sphere"},
   };
-  for (const Bad& b : bad) {
-    const std::string path = folder.write("full.toml", replaced(full_scene, b.what, b.with));
-    INFO(b.what << " -> " << b.with);
-    const std::string message = refusal([&] { readScene(path); });
-    INFO(message);
-    CHECK_THAT(message, Contains(path + b.place));
-    CHECK_THAT(message, Contains(b.problem));
-    CHECK_THAT(message, Contains(b.advice));
-  }
+  checkRefused(folder, "full.toml", full_scene, bad, [](const std::string& path) { readScene(path); });
 }
 
 TEST_CASE("A missing table or file is named", "[io][scene][refusal]") {

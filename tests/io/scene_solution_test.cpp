@@ -5,6 +5,7 @@
 
 #include "io/scene_file.h"
 #include "io/scene_texts.h"
+#include "support/bad_texts.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -96,10 +97,7 @@ TEST_CASE("Quadrature, motions and [solve] of a scene arrive where they belong",
 
 TEST_CASE("Bad quadrature, motions and [solve] are refused at their place, with advice", "[io][scene][refusal]") {
   const SceneFolder folder;
-  struct Bad {
-    const char *what, *with, *place, *problem, *advice;
-  };
-  const Bad bad[] = {
+  const std::vector<BadText> bad = {
       // [discretization]
       {"quadrature_accuracy = 0.01", "quadrature_accuracy = 1.5", ":8:23", "out of range", "0 .. 1"},
       {"quadrature_accuracy = 0.01\n", "", ":8:1",
@@ -169,12 +167,5 @@ TEST_CASE("Bad quadrature, motions and [solve] are refused at their place, with 
       {"points/probes.csv", "points/none.csv", ":63:1", "there is no probes file", "scene file's folder"},
       {"frames = 25", "frame = 25", ":62:1", "unknown key \"frame\" in [solve]", "did you mean \"frames\"?"},
   };
-  for (const Bad& b : bad) {
-    INFO(b.what << " -> " << b.with);
-    const std::string message = refusal([&] { folder.scene(replaced(solved_scene, b.what, b.with)); });
-    INFO(message);
-    CHECK_THAT(message, Contains(folder.path("s.toml") + b.place + ": "));
-    CHECK_THAT(message, Contains(b.problem));
-    CHECK_THAT(message, Contains(b.advice));
-  }
+  checkRefused(folder, "s.toml", solved_scene, bad, [](const std::string& path) { readScene(path); });
 }

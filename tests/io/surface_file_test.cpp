@@ -8,6 +8,7 @@
 
 #include "discretization/surface/solids.h"
 #include "discretization/surface/surface_geometry.h"
+#include "support/bad_texts.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -225,40 +226,30 @@ TEST_CASE("A tolerant reader takes what can be read, and counts the rest", "[io]
 
 TEST_CASE("Bad OBJ files are refused at their place, with advice", "[io][surface][refusal]") {
   TempFolder folder;
-  struct Bad {
-    const char *what, *with, *place, *problem, *advice;
+  const std::vector<BadText> bad = {
+      {"v 1 1 1\n", "v 1 1 nan\n", ":10:7", "not finite", "export the file again"},
+      {"v 1 1 1\n", "v 1 1 inf\n", ":10:7", "not finite", "export the file again"},
+      {"v 1 1 1\n", "v 1 1e999 1\n", ":10:5", "beyond what a number can hold", "units"},
+      {"v 1 1 1\n", "v 1 -1e12 1\n", ":10", "vertex 7 has y = -1e+12 m", "scale"},
+      {"v 1 1 1\n", "v 1 1\n", ":10", "coordinate 3 of this vertex is missing", "cut short"},
+      {"v 1 1 1\n", "v 1 one 1\n", ":10:5", "\"one\" is not a number", "like 0.125"},
+      {"v 1 1 1\n", "v 1 1,5 1\n", ":10:5", "\"1,5\" is not a number", "like 0.125"},
+      {"v 1 1 1\n", "", ":16:18", "vertex index 8 but the file has 7 vertices", "export it again"},
+      {"f 1 2 6 5", "f 1 2 99999999999999999999", ":18:7", "out of range", "export"},
+      {"f 1 2 6 5", "f 1 2 4000000000", ":18:7", "out of range", "export"},
+      {"f 1 2 6 5", "f 1 2 2000000000 5", ":18:7", "vertex index 2000000000 but the file has 8", "export"},
+      {"f 1 2 6 5", "f 0 1 2", ":18:3", "vertex index 0", "from 1"},
+      {"f 1 2 6 5", "f -9 -8 -7", ":18:3", "reaches back beyond the 8 vertices", "count back"},
+      {"f 1 2 6 5", "f 1 2", ":18:1", "a face with 2 corners", "at least 3"},
+      {"f 1 2 6 5", "f", ":18:1", "a face with 0 corners", "at least 3"},
+      {"f 1 2 6 5", "f 1 x 3", ":18:5", "\"x\" is not a vertex index", "f 1 2 3"},
+      {"f 1 2 6 5", "curv 0 1 1 2", ":18:1", "\"curv\" is not a statement", "\"v\" and \"f\""},
+      {"f 1 2 6 5", "", ":", "the surface has a hole", "close the hole"},
+      {"f 1 2 6 5", "f 5 6 2 1", ":18", "turned against its neighbours (2 such faces", "reverse"},
+      {"f 1 2 6 5", "f 1 2 6 6", ":18", "zero area", "mesh repair"},
+      {"v 1 1 1\n", "v 0 0 1\n", ":", "has zero area", "mesh repair"},
   };
-  const Bad bad[] = {
-      {"v 1 1 1\n", "v 1 1 nan\n", "cube.obj:10:7", "not finite", "export the file again"},
-      {"v 1 1 1\n", "v 1 1 inf\n", "cube.obj:10:7", "not finite", "export the file again"},
-      {"v 1 1 1\n", "v 1 1e999 1\n", "cube.obj:10:5", "beyond what a number can hold", "units"},
-      {"v 1 1 1\n", "v 1 -1e12 1\n", "cube.obj:10", "vertex 7 has y = -1e+12 m", "scale"},
-      {"v 1 1 1\n", "v 1 1\n", "cube.obj:10", "coordinate 3 of this vertex is missing", "cut short"},
-      {"v 1 1 1\n", "v 1 one 1\n", "cube.obj:10:5", "\"one\" is not a number", "like 0.125"},
-      {"v 1 1 1\n", "v 1 1,5 1\n", "cube.obj:10:5", "\"1,5\" is not a number", "like 0.125"},
-      {"v 1 1 1\n", "", "cube.obj:16:18", "vertex index 8 but the file has 7 vertices", "export it again"},
-      {"f 1 2 6 5", "f 1 2 99999999999999999999", "cube.obj:18:7", "out of range", "export"},
-      {"f 1 2 6 5", "f 1 2 4000000000", "cube.obj:18:7", "out of range", "export"},
-      {"f 1 2 6 5", "f 1 2 2000000000 5", "cube.obj:18:7", "vertex index 2000000000 but the file has 8", "export"},
-      {"f 1 2 6 5", "f 0 1 2", "cube.obj:18:3", "vertex index 0", "from 1"},
-      {"f 1 2 6 5", "f -9 -8 -7", "cube.obj:18:3", "reaches back beyond the 8 vertices", "count back"},
-      {"f 1 2 6 5", "f 1 2", "cube.obj:18:1", "a face with 2 corners", "at least 3"},
-      {"f 1 2 6 5", "f", "cube.obj:18:1", "a face with 0 corners", "at least 3"},
-      {"f 1 2 6 5", "f 1 x 3", "cube.obj:18:5", "\"x\" is not a vertex index", "f 1 2 3"},
-      {"f 1 2 6 5", "curv 0 1 1 2", "cube.obj:18:1", "\"curv\" is not a statement", "\"v\" and \"f\""},
-      {"f 1 2 6 5", "", "cube.obj:", "the surface has a hole", "close the hole"},
-      {"f 1 2 6 5", "f 5 6 2 1", "cube.obj:18", "turned against its neighbours (2 such faces", "reverse"},
-      {"f 1 2 6 5", "f 1 2 6 6", "cube.obj:18", "zero area", "mesh repair"},
-      {"v 1 1 1\n", "v 0 0 1\n", "cube.obj:", "has zero area", "mesh repair"},
-  };
-  for (const Bad& b : bad) {
-    const std::string path = folder.write("cube.obj", replaced(cube_obj, b.what, b.with));
-    const std::string message = refusal([&] { readClosedSurface(path); });
-    INFO(b.what << " -> " << b.with << ": " << message);
-    CHECK_THAT(message, Contains(b.place));
-    CHECK_THAT(message, Contains(b.problem));
-    CHECK_THAT(message, Contains(b.advice));
-  }
+  checkRefused(folder, "cube.obj", cube_obj, bad, [](const std::string& path) { readClosedSurface(path); });
 }
 
 TEST_CASE("Bad STL files are refused at their place, with advice", "[io][surface][refusal]") {
