@@ -13,6 +13,7 @@
 #include "imaging/damaged_surfaces.h"
 #include "imaging/signed_field.h"
 #include "imaging/surface_distance.h"
+#include "support/temp_folder.h"
 
 using namespace palpate;
 using Catch::Contains;
@@ -155,16 +156,8 @@ TEST_CASE("A closed surface inside is a cavity where it faces inward, and is rem
 }
 
 TEST_CASE("An open sheet is refused, with what an organ needs", "[imaging][repair][refusal]") {
-  const auto refused = [](const TriangleSurface& surface) {
-    try {
-      repaired(surface);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
-  };
-  const auto isRefused = [&](const TriangleSurface& surface) {
-    const std::string said = refused(surface);
+  const auto isRefused = [](const TriangleSurface& surface) {
+    const std::string said = refusal([&] { repaired(surface); });
     CHECK_THAT(said, Contains("does not enclose a volume"));
     CHECK_THAT(said, Contains("cap the opening"));
     CHECK_THAT(said, Contains("solidify"));

@@ -175,18 +175,13 @@ TEST_CASE("Jaws that close on a strip hold it at their grip force, and it follow
 
 TEST_CASE("What a recording says of a tool that can't be is refused at its line", "[several_tools]") {
   const TempFolder folder;
-  const auto problem = [&](const std::string& change) -> std::string {
-    const std::string text =
-        "palpate-recording 3\nscene a\nmodel 0123456789abcdef\nrate_hz 500\n" + change + "\nend 9\n";
-    try {
-      readRecording(folder.write("r.txt", text));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+  const auto read = [&](const std::string& change) {
+    readRecording(folder.write(
+        "r.txt", "palpate-recording 3\nscene a\nmodel 0123456789abcdef\nrate_hz 500\n" + change + "\nend 9\n"));
   };
-  CHECK(problem("1 hand 1 0 0 0 1 0 0 0").empty());
-  CHECK(problem("1 opening 0 0.01").empty());
+  const auto problem = [&](const std::string& change) { return refusal([&] { read(change); }); };
+  CHECK_NOTHROW(read("1 hand 1 0 0 0 1 0 0 0"));
+  CHECK_NOTHROW(read("1 opening 0 0.01"));
   CHECK_THAT(problem("1 hand 0 0 0 0 1 0 0 0"), Catch::Contains("r.txt:5:8: there is no such tool"));
   CHECK_THAT(problem("1 hand 4 0 0 0 1 0 0 0"), Catch::Contains("there is no such tool"));
   CHECK_THAT(problem("1 opening 0 wide"), Catch::Contains("is not an opening, m"));

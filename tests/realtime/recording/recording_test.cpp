@@ -169,15 +169,10 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
   for (const Damage& damage : damages) {
     INFO("expected: line " << damage.line << ", " << damage.says);
     temporary.put(damage.text);
-    try {
-      readRecording(temporary.file);
-      FAIL("read as if it were whole");
-    } catch (const InputError& error) {
-      const std::string what = error.what();
-      INFO("got: " << what);
-      CHECK(what.find(temporary.file + ":" + std::to_string(damage.line)) == 0);
-      CHECK(what.find(damage.says) != std::string::npos);
-    }
+    const std::string what = refusal([&] { readRecording(temporary.file); });
+    INFO("got: " << what);
+    CHECK(what.find(temporary.file + ":" + std::to_string(damage.line)) == 0);
+    CHECK(what.find(damage.says) != std::string::npos);
   }
   CHECK_THROWS_AS(readRecording("/nowhere/at/all"), InputError);
   CHECK_THROWS_WITH(readRecording("/dev/zero"), Catch::Contains("/dev/zero: a folder, a device or a pipe"));
