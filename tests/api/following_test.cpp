@@ -137,9 +137,7 @@ TEST_CASE("A saved state has the same size at all places, also of tissue that re
   for (int k = 1; k <= drag_ticks; ++k)
     REQUIRE(palpate_step(simulation.get(), 1, dragPose(info, k).data(), nullptr) == PALPATE_OK);
   REQUIRE(simulation->physics.place()->place.index != model->places->start()->index);
-  std::vector<char> saved(palpate_save_size(other.get()));
-  REQUIRE(palpate_save(simulation.get(), saved.data(), saved.size()) == PALPATE_OK);
-  auto error = sized<palpate_error>();
-  REQUIRE(palpate_restore(other.get(), saved.data(), saved.size(), &error) == PALPATE_OK);
+  CHECK(palpate_save_size(other.get()) == palpate_save_size(simulation.get()));
+  copyState(simulation, other);
   CHECK(hashOf(other) == hashOf(simulation));
 }

@@ -15,31 +15,7 @@ using namespace palpate::test;
 
 namespace {
 
-const std::string damped_text = touched_block_text + "[dynamics]\ndamping = 60\n";
 constexpr double earth[3] = {0, 0, -9.81};
-
-double holds(const SimulationHandle& simulation) {
-  double force[3];
-  REQUIRE(palpate_reactions(simulation.get(), force, nullptr, 1) == PALPATE_OK);
-  return force[2];
-}
-
-std::vector<float> skin(const SimulationHandle& simulation, const palpate_model_info& info) {
-  std::vector<float> x(3 * static_cast<std::size_t>(info.skin_vertex_count));
-  REQUIRE(palpate_skin_positions(simulation.get(), x.data(), info.skin_vertex_count) == PALPATE_OK);
-  return x;
-}
-
-/// A vertex of the upper face, near its middle.
-std::int32_t topVertex(const std::vector<float>& x) {
-  std::int32_t best = 0;
-  double nearest = 1;
-  for (std::size_t v = 0; v < x.size() / 3; ++v) {
-    const double distance = std::hypot(x[3 * v], x[3 * v + 1], x[3 * v + 2] - 0.03F);
-    if (distance < nearest) nearest = distance, best = static_cast<std::int32_t>(v);
-  }
-  return best;
-}
 
 }  // namespace
 
@@ -54,8 +30,9 @@ TEST_CASE("Gravity that is set live is a scene's own, and the base bears the tis
   for (const SimulationHandle* one : {&live, &own, &freed})
     REQUIRE(palpate_step(one->get(), 400, nullptr, nullptr) == PALPATE_OK);
   const double weight = 0.06 * 0.06 * 0.03 * 1000 * 9.81;
-  CHECK(holds(live) == Approx(weight).epsilon(0.02));
-  const std::vector<float> a = skin(live, info), b = skin(own, info), c = skin(freed, info), rest = skin(light, info);
+  CHECK(baseForce(live) == Approx(weight).epsilon(0.02));
+  const std::vector<float> a = skinOf(live, info), b = skinOf(own, info), c = skinOf(freed, info),
+                           rest = skinOf(light, info);
   double sag = 0, difference = 0, left = 0;
   for (std::size_t k = 0; k < a.size(); ++k) {
     sag = std::max(sag, std::abs(static_cast<double>(b[k]) - rest[k]));
@@ -71,18 +48,18 @@ TEST_CASE("A force at the skin is borne by the base, and gone when it is set to 
   const ModelHandle model = loadBlock(damped_text);
   const palpate_model_info info = describe(model);
   const SimulationHandle simulation = create(model);
-  const std::vector<float> rest = skin(simulation, info);
-  const std::int32_t vertex = topVertex(rest);
+  const std::vector<float> rest = skinOf(simulation, info);
+  const std::int32_t vertex = upperVertex(rest);
   const std::size_t z = 3 * static_cast<std::size_t>(vertex) + 2;
   const double down[3] = {0, 0, -0.05}, none[3] = {0, 0, 0};
   REQUIRE(palpate_set_force(simulation.get(), vertex, down) == PALPATE_OK);
   REQUIRE(palpate_step(simulation.get(), 400, nullptr, nullptr) == PALPATE_OK);
-  CHECK(holds(simulation) == Approx(0.05).epsilon(0.02));
-  CHECK(skin(simulation, info)[z] < rest[z] - 1e-4F);
+  CHECK(baseForce(simulation) == Approx(0.05).epsilon(0.02));
+  CHECK(skinOf(simulation, info)[z] < rest[z] - 1e-4F);
   REQUIRE(palpate_set_force(simulation.get(), vertex, none) == PALPATE_OK);
   REQUIRE(palpate_step(simulation.get(), 600, nullptr, nullptr) == PALPATE_OK);
-  CHECK(std::abs(holds(simulation)) < 1e-4);
-  CHECK(skin(simulation, info)[z] == Approx(rest[z]).margin(1e-6));
+  CHECK(std::abs(baseForce(simulation)) < 1e-4);
+  CHECK(skinOf(simulation, info)[z] == Approx(rest[z]).margin(1e-6));
 }
 
 TEST_CASE("Loads are part of the state: hashed, saved, kept in a reset, and taken back", "[api][loads]") {
@@ -97,9 +74,7 @@ TEST_CASE("Loads are part of the state: hashed, saved, kept in a reset, and take
   const std::uint64_t loaded = hashOf(simulation);
   CHECK(loaded != at_rest);
   press(simulation, info, 0, 20);
-  std::vector<char> bytes(palpate_save_size(simulation.get()));
-  REQUIRE(palpate_save(simulation.get(), bytes.data(), bytes.size()) == PALPATE_OK);
-  REQUIRE(palpate_restore(other.get(), bytes.data(), bytes.size(), nullptr) == PALPATE_OK);
+  copyState(simulation, other);
   press(simulation, info, 20, 40), press(other, info, 20, 40);
   CHECK(hashOf(other) == hashOf(simulation));
   // The other one knows which forces there are.

@@ -11,44 +11,19 @@ using namespace palpate::test;
 
 namespace {
 
-const std::string still_text = touched_block_text + "[dynamics]\ndamping = 60\n";
-
-std::vector<float> skinOf(const SimulationHandle& simulation, const palpate_model_info& info) {
-  std::vector<float> x(3 * static_cast<std::size_t>(info.skin_vertex_count));
-  REQUIRE(palpate_skin_positions(simulation.get(), x.data(), info.skin_vertex_count) == PALPATE_OK);
-  return x;
-}
-
-/// A vertex of the upper face near (x, y).
-std::int32_t upperVertex(const std::vector<float>& skin, double x, double y) {
-  std::int32_t best = 0;
-  double nearest = 1;
-  for (std::size_t v = 0; v < skin.size() / 3; ++v) {
-    const double distance = std::hypot(skin[3 * v] - x, skin[3 * v + 1] - y, skin[3 * v + 2] - 0.03);
-    if (distance < nearest) nearest = distance, best = static_cast<std::int32_t>(v);
-  }
-  return best;
-}
-
 std::array<double, 3> placeOf(const std::vector<float>& skin, std::int32_t vertex) {
   const auto k = 3 * static_cast<std::size_t>(vertex);
   return {skin[k], skin[k + 1], skin[k + 2]};
 }
 
-double baseForce(const SimulationHandle& simulation) {
-  double force[3];
-  REQUIRE(palpate_reactions(simulation.get(), force, nullptr, 1) == PALPATE_OK);
-  return force[2];
-}
-
 }  // namespace
 
 TEST_CASE("Pinned vertices are where they are held, and go back when they are let go", "[api][pins]") {
-  const ModelHandle model = loadBlock(still_text);
+  const ModelHandle model = loadBlock(damped_text);
   const palpate_model_info info = describe(model);
   const SimulationHandle simulation = create(model);
   const std::vector<float> rest = skinOf(simulation, info);
-  const std::int32_t a = upperVertex(rest, 0, 0), b = upperVertex(rest, 0.015, 0.015);
+  const std::int32_t a = upperVertex(rest), b = upperVertex(rest, 0.015, 0.015);
   REQUIRE(a != b);
   auto of_a = placeOf(rest, a), of_b = placeOf(rest, b);
   of_a[2] += 0.002, of_b[1] += 0.001;
@@ -69,11 +44,11 @@ TEST_CASE("Pinned vertices are where they are held, and go back when they are le
 }
 
 TEST_CASE("What pins do to the tissue is what holds it at its base, and 0 where none is", "[api][pins]") {
-  const ModelHandle model = loadBlock(still_text);
+  const ModelHandle model = loadBlock(damped_text);
   const palpate_model_info info = describe(model);
   const SimulationHandle simulation = create(model);
   const std::vector<float> rest = skinOf(simulation, info);
-  const std::int32_t a = upperVertex(rest, 0, 0), b = upperVertex(rest, 0.015, 0.015);
+  const std::int32_t a = upperVertex(rest), b = upperVertex(rest, 0.015, 0.015);
   auto of_a = placeOf(rest, a), of_b = placeOf(rest, b);
   of_a[2] += 0.002, of_b[2] -= 0.001;
   REQUIRE(palpate_pin(simulation.get(), b, of_b.data()) == PALPATE_OK);
@@ -101,11 +76,11 @@ TEST_CASE("What pins do to the tissue is what holds it at its base, and 0 where 
 }
 
 TEST_CASE("A pin that is far away is come to no faster than the tool may go", "[api][pins]") {
-  const ModelHandle model = loadBlock(still_text);
+  const ModelHandle model = loadBlock(damped_text);
   const palpate_model_info info = describe(model);
   const SimulationHandle simulation = create(model);
   const std::vector<float> rest = skinOf(simulation, info);
-  const std::int32_t vertex = upperVertex(rest, 0, 0);
+  const std::int32_t vertex = upperVertex(rest);
   auto place = placeOf(rest, vertex);
   place[2] += 0.004;
   REQUIRE(palpate_pin(simulation.get(), vertex, place.data()) == PALPATE_OK);
@@ -124,7 +99,7 @@ TEST_CASE("A pin that is far away is come to no faster than the tool may go", "[
 
 TEST_CASE("A fixed region that is moved takes the whole body with it, without a force that lasts",
           "[api][pins][whole]") {
-  const ModelHandle model = loadBlock(still_text);
+  const ModelHandle model = loadBlock(damped_text);
   const palpate_model_info info = describe(model);
   const SimulationHandle simulation = create(model);
   const std::vector<float> rest = skinOf(simulation, info);
@@ -147,11 +122,11 @@ TEST_CASE("A fixed region that is moved takes the whole body with it, without a 
 }
 
 TEST_CASE("Moving the base against a pin is moving the pin against the base", "[api][pins][whole]") {
-  const ModelHandle model = loadBlock(still_text);
+  const ModelHandle model = loadBlock(damped_text);
   const palpate_model_info info = describe(model);
   const SimulationHandle base = create(model), skin = create(model);
   const std::vector<float> rest = skinOf(base, info);
-  const std::int32_t vertex = upperVertex(rest, 0, 0);
+  const std::int32_t vertex = upperVertex(rest);
   const double down[3] = {0, 0, -0.001};
   auto place = placeOf(rest, vertex);
   REQUIRE(palpate_pin(base.get(), vertex, place.data()) == PALPATE_OK);
@@ -178,9 +153,7 @@ TEST_CASE("Pins and moved regions are part of the state: hashed, saved, kept in 
   const std::uint64_t loaded = hashOf(simulation);
   CHECK(loaded != pinned);
   press(simulation, info, 0, 20);
-  std::vector<char> bytes(palpate_save_size(simulation.get()));
-  REQUIRE(palpate_save(simulation.get(), bytes.data(), bytes.size()) == PALPATE_OK);
-  REQUIRE(palpate_restore(other.get(), bytes.data(), bytes.size(), nullptr) == PALPATE_OK);
+  copyState(simulation, other);
   press(simulation, info, 20, 40), press(other, info, 20, 40);
   CHECK(hashOf(other) == hashOf(simulation));
   REQUIRE(palpate_reset(simulation.get()) == PALPATE_OK);

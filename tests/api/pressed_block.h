@@ -2,6 +2,7 @@
 
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +12,9 @@
 #include "support/temp_folder.h"
 
 namespace palpate::test {
+
+/// A block under a sphere of 10 mm that comes to rest.
+inline const std::string damped_text = touched_block_text + "[dynamics]\ndamping = 60\n";
 
 struct ModelDeleter {
   void operator()(palpate_model* model) const { palpate_model_destroy(model); }
@@ -73,6 +77,37 @@ inline std::uint64_t hashOf(const SimulationHandle& simulation) {
   std::uint64_t hash = 0;
   REQUIRE(palpate_hash(simulation.get(), &hash) == PALPATE_OK);
   return hash;
+}
+
+/// Saves one and restores the other.
+inline void copyState(const SimulationHandle& from, const SimulationHandle& to) {
+  std::vector<char> bytes(palpate_save_size(from.get()));
+  REQUIRE(palpate_save(from.get(), bytes.data(), bytes.size()) == PALPATE_OK);
+  REQUIRE(palpate_restore(to.get(), bytes.data(), bytes.size(), nullptr) == PALPATE_OK);
+}
+
+inline std::vector<float> skinOf(const SimulationHandle& simulation, const palpate_model_info& info) {
+  std::vector<float> x(3 * static_cast<std::size_t>(info.skin_vertex_count));
+  REQUIRE(palpate_skin_positions(simulation.get(), x.data(), info.skin_vertex_count) == PALPATE_OK);
+  return x;
+}
+
+/// A vertex of the upper face near (x, y).
+inline std::int32_t upperVertex(const std::vector<float>& skin, double x = 0, double y = 0) {
+  std::int32_t best = 0;
+  double nearest = 1;
+  for (std::size_t v = 0; v < skin.size() / 3; ++v) {
+    const double distance = std::hypot(skin[3 * v] - x, skin[3 * v + 1] - y, skin[3 * v + 2] - 0.03);
+    if (distance < nearest) nearest = distance, best = static_cast<std::int32_t>(v);
+  }
+  return best;
+}
+
+/// The upward force of the base on the tissue, N.
+inline double baseForce(const SimulationHandle& simulation) {
+  double force[3];
+  REQUIRE(palpate_reactions(simulation.get(), force, nullptr, 1) == PALPATE_OK);
+  return force[2];
 }
 
 }  // namespace palpate::test

@@ -47,9 +47,7 @@ TEST_CASE("A saved state of a block that slides on a table goes on bit for bit",
   const SimulationHandle simulation = create(model), other = create(model);
   REQUIRE(palpate_step(simulation.get(), 60, nullptr, nullptr) == PALPATE_OK);
   REQUIRE(palpate_step(other.get(), 7, nullptr, nullptr) == PALPATE_OK);  // has points near the table of its own
-  std::vector<char> bytes(palpate_save_size(simulation.get()));
-  REQUIRE(palpate_save(simulation.get(), bytes.data(), bytes.size()) == PALPATE_OK);
-  REQUIRE(palpate_restore(other.get(), bytes.data(), bytes.size(), nullptr) == PALPATE_OK);
+  copyState(simulation, other);
   std::uint64_t a = 0, b = 0;
   for (const auto& [handle, hash] : {std::pair{&simulation, &a}, std::pair{&other, &b}}) {
     REQUIRE(palpate_step(handle->get(), 30, nullptr, nullptr) == PALPATE_OK);

@@ -85,9 +85,7 @@ TEST_CASE("The friction of each tool is its own, and stays in a saved state", "[
     const SimulationHandle simulation = create(model), other = create(model);
     REQUIRE(palpate_set_tool_friction(simulation.get(), 1, friction) == PALPATE_OK);
     play(simulation);
-    std::vector<char> bytes(palpate_save_size(simulation.get()));
-    REQUIRE(palpate_save(simulation.get(), bytes.data(), bytes.size()) == PALPATE_OK);
-    REQUIRE(palpate_restore(other.get(), bytes.data(), bytes.size(), nullptr) == PALPATE_OK);
+    copyState(simulation, other);
     const double aside[7] = {0.003, 0, 0.028, 0, 0, 0, 1};
     for (const SimulationHandle* one : {&simulation, &other}) {
       REQUIRE(palpate_set_tool_target(one->get(), 1, aside, 0) == PALPATE_OK);
@@ -107,9 +105,7 @@ TEST_CASE("A saved state of several tools goes on bit for bit", "[api][several_t
   const ModelHandle model = loadBlock(jaws_text);
   const SimulationHandle simulation = create(model), other = create(model);
   play(simulation);
-  std::vector<char> bytes(palpate_save_size(simulation.get()));
-  REQUIRE(palpate_save(simulation.get(), bytes.data(), bytes.size()) == PALPATE_OK);
-  REQUIRE(palpate_restore(other.get(), bytes.data(), bytes.size(), nullptr) == PALPATE_OK);
+  copyState(simulation, other);
   CHECK(readTool(other, 0).pinch == readTool(simulation, 0).pinch);
   std::uint64_t a = 0, b = 0;
   for (const auto& [handle, hash] : {std::pair{&simulation, &a}, std::pair{&other, &b}}) {
