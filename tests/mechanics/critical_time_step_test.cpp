@@ -2,8 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "mechanics/critical_time_step.h"
-#include "mechanics/internal_forces.h"
-#include "support/test_body.h"
+#include "support/kernel_forces.h"
 
 using namespace palpate;
 using test::TestBody;
@@ -61,20 +60,9 @@ TEST_CASE("Lanczos finds the largest eigenvalue of a small body", "[critical_tim
   const TestBody body(4, 0.1, 1);
   const auto limit = criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, body.mass);
   // Stiffness by differentiating the forces, dense eigenvalues.
-  const int n = body.nodeCount() * 3;
-  Eigen::MatrixXd K(n, n);
-  std::vector<Vec3> u(body.X.size(), Vec3::Zero()), ahead, behind;
-  const double e = 1e-7;
-  for (int c = 0; c < n; ++c) {
-    u[c / 3][c % 3] = e;
-    referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, ahead);
-    u[c / 3][c % 3] = -e;
-    referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, behind);
-    u[c / 3][c % 3] = 0;
-    for (int r = 0; r < n; ++r)
-      K(r, c) =
-          -(ahead[r / 3][r % 3] - behind[r / 3][r % 3]) / (2 * e) / std::sqrt(body.mass[r / 3] * body.mass[c / 3]);
-  }
+  Eigen::MatrixXd K = test::stiffnessByDifferences(body);
+  for (int r = 0; r < K.rows(); ++r)
+    for (int c = 0; c < K.cols(); ++c) K(r, c) /= std::sqrt(body.mass[r / 3] * body.mass[c / 3]);
   const double largest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues().maxCoeff();
   const double exact = 2 / std::sqrt(largest);
   CHECK(limit.dt <= exact * (1 + 1e-6));  // never optimistic

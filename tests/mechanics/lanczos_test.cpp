@@ -3,9 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include "mechanics/critical_time_step.h"
-#include "mechanics/internal_forces.h"
 #include "mechanics/lanczos.h"
-#include "support/test_body.h"
+#include "support/kernel_forces.h"
 
 using namespace palpate;
 using Matrix = Eigen::MatrixXd;
@@ -27,23 +26,6 @@ Matrix withSpectrum(const Vector& eigenvalues) {
       Q(i, j) = std::sin(1.0 + 3.7 * static_cast<double>(i) + 11.3 * static_cast<double>(j * j));
   Q = Q.householderQr().householderQ();
   return Q * eigenvalues.asDiagonal() * Q.transpose();
-}
-
-/// Stiffness at rest by differences of the forces (3 n, 3 n), N/m.
-Matrix stiffness(const test::TestBody& body, const NodePatches& patches) {
-  const int n = body.nodeCount() * 3;
-  Matrix K(n, n);
-  std::vector<Vec3> u(body.X.size(), Vec3::Zero()), ahead, behind;
-  const double e = 1e-7;
-  for (int c = 0; c < n; ++c) {
-    u[c / 3][c % 3] = e;
-    referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, ahead, patches);
-    u[c / 3][c % 3] = -e;
-    referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, behind, patches);
-    u[c / 3][c % 3] = 0;
-    for (int r = 0; r < n; ++r) K(r, c) = -(ahead[r / 3][r % 3] - behind[r / 3][r % 3]) / (2 * e);
-  }
-  return (K + K.transpose()) / 2;
 }
 
 }  // namespace
@@ -105,7 +87,7 @@ TEST_CASE("Gershgorin rows bound the frequencies with any masses - as masses the
     const test::TestBody body(3, 0.1, points);
     const auto rows = gershgorinRows(body.shape, body.volume, body.point_material, body.materials, body.X.size());
     for (const NodePatches& patches : {NodePatches{}, body.patches()}) {
-      const Matrix K = stiffness(body, patches);
+      const Matrix K = test::stiffnessByDifferences(body, patches);
       const auto largest = [&](const std::vector<double>& mass) {
         Matrix A = K;
         for (Eigen::Index r = 0; r < A.rows(); ++r)

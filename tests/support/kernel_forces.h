@@ -37,6 +37,23 @@ inline std::vector<Vec3> referenceForces(const TestBody& body, const std::vector
   return f;
 }
 
+/// Stiffness at rest by differences of the forces (3 n, 3 n), N/m.
+inline Eigen::MatrixXd stiffnessByDifferences(const TestBody& body, const NodePatches& patches = {}) {
+  const int n = body.nodeCount() * 3;
+  Eigen::MatrixXd K(n, n);
+  std::vector<Vec3> u(body.X.size(), Vec3::Zero());
+  const double e = 1e-7;
+  for (int c = 0; c < n; ++c) {
+    u[c / 3][c % 3] = e;
+    const auto ahead = referenceForces(body, u, patches);
+    u[c / 3][c % 3] = -e;
+    const auto behind = referenceForces(body, u, patches);
+    u[c / 3][c % 3] = 0;
+    for (int r = 0; r < n; ++r) K(r, c) = -(ahead[r / 3][r % 3] - behind[r / 3][r % 3]) / (2 * e);
+  }
+  return (K + K.transpose()) / 2;
+}
+
 inline double norm(const std::vector<Vec3>& f) {
   double s = 0;
   for (const auto& a : f) s += a.squaredNorm();

@@ -11,6 +11,26 @@
 
 namespace palpate::test {
 
+/// A lattice of n^3 nodes, x fastest: six tetrahedra around each cube's diagonal (Kuhn).
+inline std::vector<std::array<int, 4>> kuhnCells(int n) {
+  const auto id = [n](const int* a) { return (a[2] * n + a[1]) * n + a[0]; };
+  const int order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  std::vector<std::array<int, 4>> cells;
+  for (int k = 0; k + 1 < n; ++k)
+    for (int j = 0; j + 1 < n; ++j)
+      for (int i = 0; i + 1 < n; ++i)
+        for (const auto& o : order) {
+          int at[3] = {i, j, k};
+          std::array<int, 4> cell = {id(at)};
+          for (int s = 0; s < 3; ++s) {
+            ++at[o[s]];
+            cell[s + 1] = id(at);
+          }
+          cells.push_back(cell);
+        }
+  return cells;
+}
+
 /// A jittered lattice in a box, cut into tetrahedra: the small irregular body of the unit tests.
 struct TestBody {
   std::vector<Vec3> X;
@@ -35,7 +55,6 @@ struct TestBody {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> offset(-jitter, jitter);
     const double h = edge / (n - 1);
-    const auto id = [&](int i, int j, int k) { return (k * n + j) * n + i; };
     for (int k = 0; k < n; ++k)
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
@@ -43,21 +62,7 @@ struct TestBody {
           const auto inner = [&](int a) { return a > 0 && a < n - 1; };
           X.emplace_back(h * (i + (inner(i) ? dx : 0)), h * (j + (inner(j) ? dy : 0)), h * (k + (inner(k) ? dz : 0)));
         }
-    // Six tetrahedra around each cube's diagonal (Kuhn).
-    const int order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-    for (int k = 0; k + 1 < n; ++k)
-      for (int j = 0; j + 1 < n; ++j)
-        for (int i = 0; i + 1 < n; ++i)
-          for (const auto& o : order) {
-            std::array<int, 4> cell{};
-            int at[3] = {i, j, k};
-            cell[0] = id(at[0], at[1], at[2]);
-            for (int s = 0; s < 3; ++s) {
-              ++at[o[s]];
-              cell[s + 1] = id(at[0], at[1], at[2]);
-            }
-            cells.push_back(cell);
-          }
+    cells = kuhnCells(n);
     mass.assign(X.size(), 0);
     constexpr double a = 0.58541019662496845, b = 0.13819660112501052;
     for (const auto& c : cells) {

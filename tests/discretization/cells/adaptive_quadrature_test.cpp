@@ -8,6 +8,7 @@
 #include "discretization/cells/adaptive_quadrature.h"
 #include "discretization/cells/cell_division.h"
 #include "discretization/tetrahedra.h"
+#include "support/test_body.h"
 
 using namespace palpate;
 
@@ -18,24 +19,10 @@ struct Grid {
   std::vector<Vec3> X;
   std::vector<std::array<int, 4>> cells;
   std::vector<double> volume;
-  explicit Grid(int n) {
-    const auto id = [n](const int* a) { return (a[2] * (n + 1) + a[1]) * (n + 1) + a[0]; };
+  explicit Grid(int n) : cells(test::kuhnCells(n + 1)) {
     for (int k = 0; k <= n; ++k)
       for (int j = 0; j <= n; ++j)
         for (int i = 0; i <= n; ++i) X.emplace_back(Vec3(i, j, k) / n);
-    const int order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-    for (int k = 0; k < n; ++k)
-      for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i)
-          for (const auto& o : order) {
-            int at[3] = {i, j, k};
-            std::array<int, 4> cell = {id(at)};
-            for (int s = 0; s < 3; ++s) {
-              ++at[o[s]];
-              cell[s + 1] = id(at);
-            }
-            cells.push_back(cell);
-          }
     for (std::size_t c = 0; c < cells.size(); ++c) volume.push_back(volumeOf(corners(c)));
   }
   Corners corners(std::size_t c) const { return {X[cells[c][0]], X[cells[c][1]], X[cells[c][2]], X[cells[c][3]]}; }
