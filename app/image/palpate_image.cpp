@@ -72,10 +72,11 @@ app::Camera cameraFrom(const palpate_camera& c) {
   camera.azimuth_deg = c.azimuth_deg;
   camera.elevation_deg = c.elevation_deg;
   camera.fov_deg = c.fov_deg;
-  const bool usable = camera.target.allFinite() && std::isfinite(c.azimuth_deg) && std::abs(c.elevation_deg) < 90 &&
+  const bool usable = camera.target.allFinite() && std::isfinite(c.azimuth_deg) && std::abs(c.elevation_deg) <= 90 &&
                       c.distance > 0 && c.distance < 1e6 && c.fov_deg > 0 && c.fov_deg < 180;
   if (!usable)
-    throw Refusal(PALPATE_BAD_ARGUMENT, "the camera must be finite, its distance > 0, |elevation| < 90, fov 0 .. 180");
+    throw Refusal(PALPATE_BAD_ARGUMENT,
+                  "the camera must be finite, its distance 0 .. 1e6 m, its elevation -90 .. 90, its fov 0 .. 180");
   return camera;
 }
 

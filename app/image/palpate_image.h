@@ -14,10 +14,10 @@ typedef struct palpate_camera {
   uint32_t size;        /* sizeof(palpate_camera) */
   uint32_t reserved;    /* 0 */
   double target[3];     /* m */
-  double distance;      /* m */
+  double distance;      /* m, 0 .. 1e6 */
   double azimuth_deg;   /* of the eye around +z, from +x */
-  double elevation_deg; /* of the eye above the horizon */
-  double fov_deg;       /* vertical */
+  double elevation_deg; /* of the eye above the horizon, -90 .. 90 */
+  double fov_deg;       /* vertical, 0 .. 180 */
 } palpate_camera;
 
 /* The scene's own camera. */

@@ -130,6 +130,7 @@ std::vector<double> timesOf(const std::string& text) {
     times.push_back(time);
   }
   std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
   return times;
 }
 

@@ -66,8 +66,8 @@ std::string readPictureChoice(const std::string& camera, const std::string& view
   if (!camera.empty() && !view.empty()) return "--camera and --view both say where to look from; give one of them";
   if (!camera.empty()) {
     const std::vector<double> values = numbersOf(splitAt(camera, ','));
-    if (values.size() < 2 || values.size() > 3 || std::abs(values[1]) > 89 || (values.size() == 3 && values[2] <= 0))
-      return "--camera: '" + camera + "' is not AZIMUTH,ELEVATION[,DISTANCE] in degrees (up to 89) and m, e.g. -60,25";
+    if (values.size() < 2 || values.size() > 3 || std::abs(values[1]) > 90 || (values.size() == 3 && values[2] <= 0))
+      return "--camera: '" + camera + "' is not AZIMUTH,ELEVATION[,DISTANCE] in degrees (up to 90) and m, e.g. -60,25";
     choice.azimuth_deg = values[0];
     choice.elevation_deg = values[1];
     if (values.size() == 3) choice.distance_m = values[2];

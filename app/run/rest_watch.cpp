@@ -40,7 +40,10 @@ RestWatch::RestWatch(const Body& model, double hold_s, int most_nodes)
       dt_(model.dt),
       free_(freeAxes(model)),
       rests_unmoved_(model.scene.dynamics.gravity.isZero(0) && model.scene.loads.empty() && free_.isZero(0) &&
-                     motionEnd(model.scene) <= 0) {
+                     motionEnd(model.scene) <= 0),
+      has_past_(free_ == Vec3::Ones() || model.scene.organs.size() > 1 ||
+                std::any_of(model.scene.rigid.begin(), model.scene.rigid.end(),
+                            [](const RigidSpec& rigid) { return rigid.friction > 0; })) {
   for (Displacements* kept : {&first_, &anchor_})
     kept->reserve(std::max(model.X.size(), static_cast<std::size_t>(most_nodes)));
   Vec3 low = model.X.empty() ? Vec3(Vec3::Zero()) : model.X[0], high = low;
@@ -75,7 +78,7 @@ bool RestWatch::update(const State& state, const StepReport& last) {
 Vec3 RestWatch::slidOf(const State& state) const { return free_.cwiseProduct(meanOf(state.u)); }
 
 double RestWatch::driftOf(const State& state) {
-  if (held_ || free_ == Vec3::Ones()) return 0;
+  if (held_ || has_past_) return 0;
   const bool elsewhere = has_first_ && state.place != first_place_;
   if (!has_first_ || (elsewhere && !rests_unmoved_)) {
     first_.assign(state.u.begin(), state.u.end());

@@ -37,8 +37,8 @@ class RestWatch {
   /// Another tick. @return true where the wait is over: at rest, or after longest_rest_s
   bool update(const State& state, const StepReport& last);
   /// m, largest |u - u at the first rest| of a node; the first call is that rest. Along axes along which nothing holds
-  /// the body it may rest anywhere: there without its mean. 0 where it lies loose, and while a further tool of the
-  /// scene touches the tissue: where that rests depends on its friction's past. At another place of a cloud that
+  /// the body it may rest anywhere: there without its mean. 0 where friction's past decides how it rests: where it lies
+  /// loose, on another organ, or on what is rigid with friction, and while a further tool touches it. At another place of a cloud that
   /// follows the tool it is the distance from where nothing is moved; where the body has weight or loads, the first
   /// rest is taken anew.
   double driftOf(const State& state);
@@ -58,6 +58,7 @@ class RestWatch {
   const double hold_s_, tick_seconds_, dt_;
   const Vec3 free_;           // 1 along axes along which nothing holds the body
   const bool rests_unmoved_;  // by itself
+  const bool has_past_;       // friction's
   double organ_size_ = 0, rest_speed_ = 0;
   double rest_time_ = 0, still_time_ = 0, near_time_ = 0;        // s
   double speed_ = 0, rounding_ = 0;                              // m/s; m, by how far it has slid

@@ -22,7 +22,7 @@ constexpr std::size_t most_baseline_bytes = 1 << 20;  // of a baseline
 constexpr double spots_per_tolerance = 0.004;  // share of strongly different pixels: 0.002 at the default tolerance
 
 bool isClear(const Json& wanted) {
-  if (wanted.is_string() || wanted.is_number_integer() || wanted.is_boolean()) return true;
+  if (wanted.is_string() || wanted.is_number_integer() || wanted.is_boolean() || wanted.is_null()) return true;
   if (!wanted.is_object() || !wanted.contains("value") || !wanted["value"].is_number()) return false;
   const std::size_t limits = wanted.count("abs") + wanted.count("rel");
   return limits > 0 && wanted.size() == 1 + limits && wanted.value("abs", 0.0) >= 0 && wanted.value("rel", 0.0) >= 0;
@@ -64,7 +64,9 @@ void checkKey(const SourceLocation& place, const std::string& key, const Json& w
 Baseline::Baseline(const std::string& file, const std::string& blank_report)
     : file_(file), text_(readWholeFile(file, {}, most_baseline_bytes)) {
   const Json json = Json::parse(text_, nullptr, false), report = Json::parse(blank_report);
-  if (!json.is_object()) throw InputError({file}, "no JSON object", "give one whose keys are those of report.json");
+  if (!json.is_object() || json.empty())
+    throw InputError({file}, json.is_object() ? "nothing to compare" : "no JSON object",
+                     "give an object whose keys are those of report.json");
   if (const std::string key = doubledKey(text_); !key.empty())
     throw InputError(placeOf(file, text_, key), inQuotes(key) + " stands there twice", "leave one out");
   for (const auto& [key, wanted] : json.items()) {

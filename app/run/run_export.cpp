@@ -2,16 +2,18 @@
 
 #include <filesystem>
 
+#include "app/render/rigid_mesh.h"
 #include "app/render/solid_mesh.h"
 #include "app/run/saved_files.h"
 #include "base/number_text.h"
+#include "discretization/surface/surface_geometry.h"
 #include "step/tool_bodies.h"
 
 namespace palpate::app {
 
 namespace {
 
-const Vec3 tool_colour(0.55, 0.57, 0.6);
+const Vec3 tool_colour(0.55, 0.57, 0.6), rigid_colour(0.35, 0.36, 0.38);
 
 bool isSeries(const std::string& path) { return path.ends_with(".pvd"); }
 
@@ -52,10 +54,23 @@ RunExport::RunExport(std::string path, const Model& model) : path_(std::move(pat
   run_.surface.name = "tissue";
   run_.surface.rest = model.skin.surface;
   run_.surface.colour = model.scene.organs[0].colour;
-  run_.curves = {{"force_N_x", {}}, {"force_N_y", {}}, {"force_N_z", {}}, {"doubted", {}}};
-  for (int b = 0; b < model.tools.bodyCount(); ++b)
+  run_.curves = {{"doubted", {}}};
+  for (std::size_t t = 0; t < model.tools.tool.size(); ++t)
+    for (const char* axis : {"_x", "_y", "_z"})
+      run_.curves.push_back({(t == 0 ? "" : format("tool%zu_", t + 1)) + std::string("force_N") + axis, {}});
+  for (const RigidBody& body : model.rigid.body)
+    for (const char* axis : {"_x", "_y", "_z"}) run_.curves.push_back({body.name + "_force_N" + axis, {}});
+  for (const ToolBody& body : model.tools.body) {
+    const char* finger = body.side > 0 ? ", right finger" : body.side < 0 ? ", left finger" : "";
     run_.bodies.push_back(
-        {"tool " + std::to_string(b + 1), surfaceOf(toolMesh(model.tools.body[b].shape)), tool_colour, {}});
+        {"tool " + std::to_string(body.tool + 1) + finger, surfaceOf(toolMesh(body.shape)), tool_colour, {}});
+  }
+  const Box3 box = boundingBox(model.skin.surface);
+  for (std::size_t r = 0; r < model.rigid.body.size(); ++r)
+    run_.bodies.push_back({model.rigid.body[r].name,
+                           surfaceOf(rigidMesh(model.scene.rigid[r], box.center(), 0.5 * box.diagonal().norm())),
+                           rigid_colour,
+                           {}});
   // The first moment is rest, before any tick.
   run_.time_s = {0};
   run_.surface.frames.emplace_back();
@@ -66,12 +81,14 @@ RunExport::RunExport(std::string path, const Model& model) : path_(std::move(pat
 
 /// @param snapshot  null: where they start
 void RunExport::addPoses(const Snapshot* snapshot) {
-  for (std::size_t b = 0; b < run_.bodies.size(); ++b) {
-    const ToolBody& body = model_.tools.body[b];
+  auto drawn = run_.bodies.begin();
+  for (const ToolBody& body : model_.tools.body) {
     ToolPosture posture = model_.tools.tool[body.tool].start;
     if (snapshot != nullptr) posture = snapshot->tools.posture(body.tool);
-    run_.bodies[b].poses.push_back(bodyPose(body, posture));
+    drawn++->poses.push_back(bodyPose(body, posture));
   }
+  const double time = snapshot != nullptr ? static_cast<double>(snapshot->tick) / model_.scene.dynamics.rate_hz : 0;
+  for (const RigidBody& body : model_.rigid.body) drawn++->poses.push_back(body.at(time));
 }
 
 void RunExport::add(const Snapshot& snapshot) {
@@ -89,9 +106,12 @@ void RunExport::add(const Snapshot& snapshot) {
   std::vector<Vec3f>& x = run_.surface.frames.emplace_back();
   const SkinModel& skin = modelOf(snapshot, model_).skin;
   for (int v = 0; v < skin.vertexCount(); ++v) x.push_back(skinPosition(skin, v, snapshot.u.data()).cast<float>());
-  for (std::size_t k = 0; k < 3; ++k)
-    run_.curves[k].second.push_back(snapshot.force.force_raw[static_cast<Eigen::Index>(k)]);
-  run_.curves[3].second.push_back(snapshot.force.doubt == Doubt::None ? 0 : 1);
+  auto curve = run_.curves.begin();
+  curve++->second.push_back(snapshot.force.doubt == Doubt::None ? 0 : 1);
+  for (std::size_t t = 0; t < model_.tools.tool.size(); ++t)
+    for (const double force : snapshot.tools.tool[t].force) curve++->second.push_back(force);
+  for (std::size_t r = 0; r < model_.rigid.body.size(); ++r)
+    for (const float force : snapshot.force.rigid_force[r]) curve++->second.push_back(static_cast<double>(force));
   addPoses(&snapshot);
 }
 

@@ -2,19 +2,22 @@
 
 #include <algorithm>
 
+#include "discretization/surface/surface_parts.h"
+
 namespace palpate::app {
 namespace {
 
 /// Six times the signed volume of a tetrahedron.
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
 
-/// m, from a plane, within which what lies on which side is a matter of rounding.
-constexpr double in_plane = 1e-7;
+/// m, from a plane, within which what lies on which side is a matter of rounding; of two organs the contact's.
+constexpr double in_plane = 1e-7, in_contact = 1e-4;
 
 /// The segment p q goes through the triangle's inside.
-bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
+/// @param within  m
+bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c, double within) {
   const Vec3 normal = (b - a).cross(c - a);
-  const double from = normal.dot(p - a), to = normal.dot(q - a), least = in_plane * normal.norm();
+  const double from = normal.dot(p - a), to = normal.dot(q - a), least = within * normal.norm();
   if (std::min(from, to) >= -least || std::max(from, to) <= least) return false;
   const double ab = volume(p, q, a, b), bc = volume(p, q, b, c), ca = volume(p, q, c, a);
   return (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
@@ -24,6 +27,7 @@ bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const V
 
 SkinCrossings::SkinCrossings(const SkinModel& skin)
     : skin_(&skin),
+      part_(connectedParts(skin.surface, faceEdges(skin.surface)).part),
       x_(skin.surface.vertices.size()),
       box_(skin.surface.triangles.size()),
       spans_(skin.surface.triangles.size()) {}
@@ -32,9 +36,10 @@ bool SkinCrossings::cross(int a, int b) const {
   const std::array<int, 3>&s = skin_->surface.triangles[a], &t = skin_->surface.triangles[b];
   for (const int v : s)
     if (std::find(t.begin(), t.end(), v) != t.end()) return false;
+  const double within = part_[a] == part_[b] ? in_plane : in_contact;
   for (std::size_t k = 0; k < 3; ++k)
-    if (pierces(x_[s[k]], x_[s[(k + 1) % 3]], x_[t[0]], x_[t[1]], x_[t[2]]) ||
-        pierces(x_[t[k]], x_[t[(k + 1) % 3]], x_[s[0]], x_[s[1]], x_[s[2]]))
+    if (pierces(x_[s[k]], x_[s[(k + 1) % 3]], x_[t[0]], x_[t[1]], x_[t[2]], within) ||
+        pierces(x_[t[k]], x_[t[(k + 1) % 3]], x_[s[0]], x_[s[1]], x_[s[2]], within))
       return true;
   return false;
 }

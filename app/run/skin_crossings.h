@@ -19,7 +19,8 @@ class SkinCrossings {
 
   /// @param u  (node_count) m
   /// @return pairs of triangles without a common vertex of which an edge of one goes through the other, by more than
-  /// 1e-7 m to both sides: faces of one plane do not cross
+  /// 1e-7 m to both sides: faces of one plane do not cross; faces of two organs by more than 0.1 mm, which their
+  /// contact may leave
   int count(const Float4* u);
 
  private:
@@ -30,6 +31,7 @@ class SkinCrossings {
   bool cross(int a, int b) const;
 
   const SkinModel* skin_;
+  std::vector<int> part_;                 // (triangle_count) of the skin
   std::vector<Vec3> x_;                   // (vertex_count) m
   std::vector<Eigen::AlignedBox3d> box_;  // (triangle_count) m
   std::vector<Span> spans_;               // (triangle_count) by low

@@ -163,8 +163,12 @@ void writeLumps(Page& page, const SheetHead& head, const TaskScore& score, const
     page.write(page_width - margin, y, outcome, 21, found ? paper::ink : false_colour, 1);
     y += 32;
   }
-  const std::string text = "Conditions: " + head.conditions.text() + ".";
-  page.writeWrapped(y + 8, text, 17, head.conditions.asTheSceneHasThem() ? paper::faint : false_colour);
+  const bool good = sheet.trust == doubtName(Doubt::None);
+  std::string text = "Conditions: " + head.conditions.text() + ".";
+  if (!good)
+    text += format(" The forces are doubted (%s): they may be off by %.0f %% or more.", sheet.trust.c_str(),
+                   100 * sheet.expected_error);
+  page.writeWrapped(y + 8, text, 17, good && head.conditions.asTheSceneHasThem() ? paper::faint : false_colour);
 }
 
 /// Each way on the skin by itself: through the air none is drawn.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/input_error.h"
 #include "contact/tool_profile.h"
 #include "step/tool_bodies.h"
 
@@ -19,6 +20,7 @@ constexpr double slope = 0.3;  // cosine of a wall that is before the tip, not b
 struct Approach {
   double gap = std::numeric_limits<double>::infinity();  // m
   Vec3 out = Vec3::Zero();                               // unit, out of the rigid body
+  const RigidBody* body = nullptr;
 };
 
 /// A rigid body where it is.
@@ -29,7 +31,7 @@ struct Obstacle {
   Approach at(const Vec3& x) const {
     Vec3 normal;
     const double gap = shape.gapAt(pose.toLocal(x), normal);
-    return {gap, pose.orientation * normal.normalized()};
+    return {gap, pose.orientation * normal.normalized(), nullptr};
   }
 };
 
@@ -70,17 +72,18 @@ Approach nearestOf(const Obstacle& obstacle, const ToolProfile& profile, const P
 }
 
 /// The nearest of all bodies of a tool to all rigid bodies.
-Approach nearestOf(const Model& model, int tool, const ToolPosture& posture, double time) {
+/// @param kept  share of the spacing, and of the tool's radius, that gaps count from
+Approach nearestOf(const Model& model, int tool, const ToolPosture& posture, double time, double kept) {
   Approach nearest;
   for (int b = 0; b < model.tools.bodyCount(); ++b) {
     const ToolBody& body = model.tools.body[b];
     if (body.tool != tool) continue;
     const ToolProfile profile = toolProfile(body.shape);
-    const double kept = kept_share * std::min(model.scene.discretization.spacing, profile.radius);
     for (const RigidBody& rigid : model.rigid.body) {
       if (rigid.encloses) continue;
       Approach at = nearestOf({rigid.shape, rigid.at(time)}, profile, bodyPose(body, posture));
-      at.gap -= kept;
+      at.gap -= kept * std::min(model.scene.discretization.spacing, profile.radius);
+      at.body = &rigid;
       if (at.gap < nearest.gap) nearest = at;
     }
   }
@@ -90,7 +93,7 @@ Approach nearestOf(const Model& model, int tool, const ToolPosture& posture, dou
 ToolPosture pushedOut(const Model& model, int tool, const ToolPosture& wanted, double time, double farthest) {
   ToolPosture posture = wanted;
   for (int k = 0; k < most_walls && farthest > 0; ++k) {
-    const Approach nearest = nearestOf(model, tool, posture, time);
+    const Approach nearest = nearestOf(model, tool, posture, time, kept_share);
     if (!(nearest.gap < 0)) break;
     const double back = std::min(-nearest.gap, farthest);
     posture.pose.position += back * nearest.out;
@@ -191,6 +194,16 @@ ToolsAt stoppedByRigid(const Model& model, const ToolsAt& from, const ToolsAt& w
       tools.posture[t] = pushedOut(model, static_cast<int>(t), tools.posture[t], time, stop.farthest);
   }
   return tools;
+}
+
+void checkToolStarts(const Model& model) {
+  for (int t = 0; t < model.tools.toolCount(); ++t) {
+    const Approach nearest = nearestOf(model, t, model.tools.tool[static_cast<std::size_t>(t)].start, 0, 0);
+    if (nearest.gap < 0)
+      throw InputError(model.scene.tools[static_cast<std::size_t>(t)].place,
+                       "tool " + std::to_string(t + 1) + " starts inside the rigid body " + nearest.body->name,
+                       "move its position out of it");
+  }
 }
 
 }  // namespace palpate

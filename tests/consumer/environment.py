@@ -99,6 +99,10 @@ try:
     picture = environment.render()
     assert picture.shape == (60, 80, 3) and picture.dtype == np.uint8 and picture.std() > 1
     assert palpate.image(simulation, 40, 30).shape == (30, 40, 4)
+    turned = palpate.image(simulation, 40, 30, camera={"azimuth_deg": 90, "elevation_deg": 90})
+    assert not np.array_equal(turned, palpate.image(simulation, 40, 30))
+    refused(palpate.Error, lambda: palpate.image(simulation, camera={"elevation_deg": 91}), "its elevation -90 .. 90")
+    refused(TypeError, lambda: palpate.image(simulation, camera={"fov": 30}), "no 'fov'")
 except palpate.Error as error:
     assert "PALPATE_APP" in str(error) or "EGL" in str(error), error
 assert palpate.Environment(model).render() is None
@@ -375,6 +379,38 @@ actions[1, 2] = np.inf
 refused(ValueError, lambda: vector.step(actions), "action 1: [2] is inf")
 refused(ValueError, lambda: vector.step(actions[:2]), "3 actions")
 refused(ValueError, lambda: vector.reset(seed=[1, 2]), "2 seeds for 3")
+
+
+class Steps(palpate.Environment):  # relative ways down, pictures to look at, an end of its own
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self.observation_space = palpate.environment.Box(0, 1, (2, 3), dtype=np.float32)
+
+    def pose(self, action):
+        return self.simulation.read().pose[:3] + [0, 0, -float(action[0])]
+
+    def observe(self, state):
+        return np.full((2, 3), min(1, state.depth > 0), np.float32)
+
+    def terminated(self, state):
+        return state.time > 0.02
+
+
+steps = palpate.VectorEnv(block, 2, ticks=4, environment=Steps)
+assert steps.reset(seed=3)[0] in steps.observation_space and steps.observation_space.shape == (2, 2, 3)
+alone = Steps(block, ticks=4)
+alone.reset(seed=3)
+down = np.array([[0.0005], [0.001]])
+for step in range(3):
+    _, _, terminated, _, info = steps.step(down)
+    last = alone.step(down[0])
+    assert np.array_equal(info["state"]["pose"][0], last[4]["state"].pose) and terminated[0] == last[2] == (step == 2)
+steps.close()
+alone.close()
+Steps.step = lambda self, action: None
+refused(TypeError, lambda: palpate.VectorEnv(block, 2, environment=Steps), "does not call Steps.step")
+error = pickle.loads(pickle.dumps(palpate.Error(3, "no")))
+assert (error.code, str(error)) == (3, "no")
 twins = pickle.loads(pickle.dumps(vector))
 actions[1, 2] = 0.05
 assert np.array_equal(twins.step(actions)[0], vector.step(actions)[0])

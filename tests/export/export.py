@@ -11,6 +11,7 @@ import sys
 import xml.etree.ElementTree
 
 palpate, read_gltf, work = sys.argv[1:]
+scenes = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../assets/scenes")
 try:
     import meshio
     import numpy as np
@@ -25,8 +26,8 @@ os.makedirs(work)
 os.chdir(work)
 
 
-def run(*arguments, code=0, says=""):
-    done = subprocess.run([palpate, "layer_sphere", "--offscreen", "--fast", "--size", "320x240", *arguments],
+def run(*arguments, code=0, says="", scene="layer_sphere"):
+    done = subprocess.run([palpate, scene, "--offscreen", "--fast", "--size", "320x240", *arguments],
                           capture_output=True, text=True)
     assert done.returncode == code and says in done.stdout + done.stderr, (arguments, done)
 
@@ -55,6 +56,25 @@ depth = rest[:, 2].max() - tips[-1][2]
 assert depth > 1e-3 and abs(pressed - depth) < 0.1 * depth, (pressed, depth)
 assert np.abs(targets[0] - rest).max() == 0
 
+# Forces of each tool and of each rigid body, and who is who: jaws, a second tool, a table.
+jaws = open(os.path.join(scenes, "strip_grasp.toml")).read().replace("script:motions", f"script:{scenes}/motions")
+open("jaws.toml", "w").write(jaws + """
+[[rigid]]
+name = "shelf"
+shape = "box"
+size = [0.01, 0.01, 0.01]
+centre = [0.05, 0, 0]
+""")
+run("--seconds", "0.8", "--export", "jaws.gltf", "--out", "jaws", scene="jaws.toml")
+file = json.load(open("jaws.gltf"))
+names = [node["name"] for node in file["nodes"] if "mesh" in node]
+assert names[1:] == ["tool 1, left finger", "tool 1, right finger", "tool 2", "shelf"], names
+curves = file["scenes"][0]["extras"]
+last = list(csv.DictReader(open("jaws/force.csv")))[-1]
+for curve, column in (("force_N_z", "force_raw_N_z"), ("tool2_force_N_z", "tool2_force_N_z")):
+    assert np.isclose(curves[curve][-1], float(last[column]), atol=1e-6), (curve, curves[curve][-1], last[column])
+assert curves["shelf_force_N_x"][-1] == 0
+
 # The series has the same moments but rest, and the same press, at its nodes.
 series = xml.etree.ElementTree.parse("run.pvd").getroot().findall("Collection/DataSet")
 assert [round(float(part.get("timestep")), 6) for part in series] == times[1:]
@@ -67,6 +87,6 @@ run("--export", "run.vtk", code=2, says=".pvd")
 run("--export", "none/run.glb", code=1, says="none/run.glb")
 run("--export", "long.glb", "--seconds", "61", code=2, says="--seconds")
 run("--export", "two.glb", "--seconds", "1", "--snapshot-at", "0.5", code=2, says="--snapshot-at")
-kept = ["live", "live.glb", "out", "replay", "run", "run.gltf", "run.pvd", "run.rec", "series"]
+kept = ["jaws", "jaws.gltf", "jaws.toml", "live", "live.glb", "out", "replay", "run", "run.gltf", "run.pvd", "run.rec", "series"]
 assert sorted(os.listdir()) == kept, os.listdir()
 print("all held")

@@ -9,6 +9,7 @@
 #include "step/step.h"
 #include "step/workspace.h"
 #include "support/small_scene.h"
+#include "support/temp_folder.h"
 
 using namespace palpate;
 
@@ -109,6 +110,15 @@ TEST_CASE("A tool comes to stand before a rigid body and slides along it", "[sim
     const Vec3 at = RigidStop{0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position;
     CHECK(at.z() == Approx(0.04 + kept).margin(2e-4));
   }
+}
+
+TEST_CASE("A tool that starts inside a rigid body is refused, one that touches it is not", "[simulation][rigid]") {
+  Scene scene = toolBefore(Region::Kind::Sphere);
+  scene.tools[0].position = Vec3(0.2, 0, 0.0301);
+  CHECK_NOTHROW(checkToolStarts(test::blockModel(scene)));
+  scene.tools[0].position.z() = 0.0299;
+  CHECK_THAT(refusal([&] { checkToolStarts(test::blockModel(scene)); }),
+             Catch::Contains("tool 1 starts inside the rigid body body"));
 }
 
 TEST_CASE("A tool under a hand that goes through the table does not, nor does the tissue",

@@ -40,7 +40,7 @@ TEST_CASE("A report is held to a baseline: equal where exact, near where there i
 
 TEST_CASE("A baseline that says nothing clear is refused before the run", "[run_checks]") {
   const TempFolder folder;
-  for (const char* text : {"[1, 2]", "{\"nodes\": }", R"({"min_J": 0.5})", R"({"min_J": {"value": 1}})",
+  for (const char* text : {"[1, 2]", "{}", "{\"nodes\": }", R"({"min_J": 0.5})", R"({"min_J": {"value": 1}})",
                            R"({"min_J": {"value": 1, "abs": -1}})", R"({"min_J": {"value": 1, "rel": 1, "abss": 2}})",
                            R"({"min_J": {"value": 1, "rel": "a lot"}})"}) {
     CAPTURE(text);
@@ -63,6 +63,8 @@ TEST_CASE("A baseline's key that the run's report won't have is told before the 
   CHECK_THAT(problem(R"("min_J": "low")"), Contains("\"min_J\" is a number"));
   CHECK_THAT(problem(R"("flags": "none")"), Contains("a list"));
   CHECK_NOTHROW(read(R"("first_doubt_s": {"value": 1, "abs": 0.1})"));
+  CHECK(read(R"("first_doubt_s": null)").differences(R"({"nodes": 10, "first_doubt_s": null})").empty());
+  CHECK(read(R"("first_doubt_s": null)").differences(R"({"nodes": 10, "first_doubt_s": 0.5})").size() == 1);
   const std::string skull = R"("skull_penetration_m": {"value": 0, "abs": 1e-4})";
   CHECK_THAT(problem(skull), Contains("will have no \"skull_penetration_m\""));
   RunReport with_skull;

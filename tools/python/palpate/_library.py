@@ -19,6 +19,9 @@ class Error(RuntimeError):
         super().__init__(text)
         self.code = code
 
+    def __reduce__(self):  # as processes send it to one another
+        return type(self), (self.code, str(self))
+
 
 class _Sized(C.Structure):
     def __init__(self, **values):

@@ -117,6 +117,14 @@ def _poses(actions, fallback):
     return poses
 
 
+def _batched(space, count):
+    """The space of `count` of them, one row each."""
+    if gymnasium is not None:
+        return gymnasium.vector.utils.batch_space(space, count)
+    low, high = (np.broadcast_to(bound, (count, *space.shape)) for bound in (space.low, space.high))
+    return Box(low, high, dtype=space.dtype)
+
+
 def _refuse(options):
     """Of a Model that was loaded before nothing can be set any more."""
     if options:
@@ -130,10 +138,11 @@ class Environment(Env):
         observation, info = reset(seed=7)
         observation, reward, terminated, truncated, info = step(action)
 
-    action       (3) where the tip should be, m, or (7) a pose
-    observation  (17) float64: pose of the tool (7), force (3), torque (3), normal (3), depth
+    action       (3) where the tip should be, m, or (7) a pose: override pose(action) for others
+    observation  (17) float64: pose of the tool (7), force (3), torque (3), normal (3), depth: override observe(state)
     reward       0: override reward(state)
-    truncated    after `seconds` of physics time; terminated where the tissue is lost for good (State.frozen)
+    terminated   where the tissue is lost for good (State.frozen): override terminated(state)
+    truncated    after `seconds` of physics time
     info         {"state": State}
 
     ticks: of physics in one step, at least 1. seconds: more than 0; inf: no end. scatter: m, by which reset moves the
@@ -167,8 +176,16 @@ class Environment(Env):
         self.action_space = Box(places.min(axis=0) - margin, places.max(axis=0) + margin, dtype=np.float64)
         self.observation_space = Box(-np.inf, np.inf, (17,), dtype=np.float64)
 
+    def pose(self, action):
+        """The tool's, (7) or (3), for an action; jaws, materials and the like may be set here, too (self.simulation).
+        """
+        return action
+
     def reward(self, state):
         return 0.0
+
+    def terminated(self, state):
+        return state.frozen
 
     @staticmethod
     def observe(state):
@@ -182,7 +199,7 @@ class Environment(Env):
         return self.start
 
     def _outcome(self, state):
-        return self.observe(state), float(self.reward(state)), state.frozen, state.time >= self.seconds
+        return self.observe(state), float(self.reward(state)), bool(self.terminated(state)), state.time >= self.seconds
 
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
@@ -193,7 +210,7 @@ class Environment(Env):
     def step(self, action):
         if self.start is None:
             raise Error(REFUSED, "reset() the environment before its first step")
-        pose = _poses(np.asarray(action, dtype=object)[None], self.start[None])[0]
+        pose = _poses(np.asarray(self.pose(action), dtype=object)[None], self.start[None])[0]
         state = self.simulation.step(pose, self.ticks)
         return (*self._outcome(state), {"state": state})
 
@@ -215,7 +232,8 @@ class VectorEnv(_VectorEnv):
     ended begins anew in the next step, whatever its action (gymnasium's AutoresetMode.NEXT_STEP). info["state"] is a
     structured array of states (palpate.STATE). reset(seed=7) seeds them with 7, 8, ...
 
-    threads: 0: one for each core. environment: the class of each, for other rewards and observations.
+    threads: 0: one for each core. environment: the class of each, for other actions, observations, rewards and ends: its
+    pose, observe, reward and terminated are called, never its step and reset.
     """
 
     closed = False
@@ -230,12 +248,15 @@ class VectorEnv(_VectorEnv):
         model = scene if isinstance(scene, Model) else Model(scene, threads=1, **of_model)
         self.envs = [environment(model, **options) for _ in range(num_envs)]
         first = self.envs[0]
+        own = [name for name in ("reset", "step") if getattr(type(first), name) is not getattr(Environment, name)]
+        if own:
+            raise TypeError(f"a VectorEnv does not call {type(first).__name__}.{own[0]}: override pose, observe, reward "
+                            "and terminated")
         self.num_envs, self.render_mode, self.threads = num_envs, first.render_mode, threads
         self.metadata = {**first.metadata, **({"autoreset_mode": _autoreset.NEXT_STEP} if _autoreset else {})}
         self.single_action_space, self.single_observation_space = first.action_space, first.observation_space
         self.action_space, self.observation_space = (
-            Box(np.tile(space.low, (num_envs, 1)), np.tile(space.high, (num_envs, 1)), dtype=np.float64)
-            for space in (first.action_space, first.observation_space))
+            _batched(space, num_envs) for space in (first.action_space, first.observation_space))
         self._team, self._ended = Team(threads), None
 
     def __getstate__(self):
@@ -270,7 +291,13 @@ class VectorEnv(_VectorEnv):
     def step(self, actions):
         if self._ended is None:
             raise Error(REFUSED, "reset() the environments before their first step")
-        poses = _poses(actions, np.array([env.start for env in self.envs]))
+        starts = np.array([env.start for env in self.envs])
+        if type(self.envs[0]).pose is not Environment.pose:
+            if len(actions) != self.num_envs:
+                raise ValueError(f"{len(actions)} actions for {self.num_envs} environments")
+            actions = [start if ended else env.pose(action)
+                       for env, action, start, ended in zip(self.envs, actions, starts, self._ended)]
+        poses = _poses(actions, starts)
         for k in np.flatnonzero(self._ended):
             poses[k] = self.envs[k]._begin()
         states, each = self._advance(poses)

@@ -372,8 +372,16 @@ def step_many(simulations, poses=None, ticks=1, team=None, states=None):
 _image = None
 
 
-def image(simulation, width=640, height=480):
-    """A picture of a simulation, drawn off-screen: (height, width, 4) uint8, upper row first."""
+class _Camera(_Sized):
+    _fields_ = [("size", C.c_uint32), ("reserved", C.c_uint32), ("target", C.c_double * 3), ("distance", C.c_double),
+                ("azimuth_deg", C.c_double), ("elevation_deg", C.c_double), ("fov_deg", C.c_double)]
+
+
+def image(simulation, width=640, height=480, camera={}):
+    """A picture of a simulation, drawn off-screen: (height, width, 4) uint8, upper row first.
+
+    camera: {"target": (x, y, z), "distance": m, "azimuth_deg":, "elevation_deg":, "fov_deg":}; what it leaves out is
+    the scene's."""
     global _image
     if _image is None:
         try:
@@ -381,11 +389,18 @@ def image(simulation, width=640, height=480):
         except OSError as reason:
             raise Error(FAILED, f"no pictures: {reason}; build Palpate with PALPATE_APP=ON") from None
         _image.palpate_image.argtypes = [C.c_void_p, C.c_void_p, C.c_void_p, C.c_int32, C.c_int32, C.POINTER(_Error)]
-        _image.palpate_image.restype = C.c_int32
+        _image.palpate_image.restype = _image.palpate_scene_camera.restype = C.c_int32
+        _image.palpate_scene_camera.argtypes = [C.c_void_p, C.POINTER(_Camera)]
     if simulation._handle is None:
         raise Error(BAD_ARGUMENT, "the simulation is closed")
     rgba, error = np.empty((height, width, 4), dtype=np.uint8), _Error()
-    code = _image.palpate_image(simulation._handle, None, rgba.ctypes.data, width, height, C.byref(error))
+    view = _Camera()
+    _image.palpate_scene_camera(simulation._handle, C.byref(view))
+    for name, value in camera.items():
+        if name not in ("target", "distance", "azimuth_deg", "elevation_deg", "fov_deg"):
+            raise TypeError(f"a camera has no {name!r}")
+        setattr(view, name, tuple(value) if name == "target" else value)
+    code = _image.palpate_image(simulation._handle, C.byref(view), rgba.ctypes.data, width, height, C.byref(error))
     if code != OK:
         raise Error(code, error.text.decode(errors="replace"))
     return rgba
