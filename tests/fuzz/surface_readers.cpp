@@ -12,6 +12,7 @@
 #include "io/stl_parser.h"
 #include "io/surface_file.h"
 #include "io/vtk_surface_parser.h"
+#include "support/binary_stl.h"
 
 namespace palpate::fuzz {
 
@@ -71,20 +72,6 @@ endloop
 endfacet
 endsolid made by hand
 )";
-
-std::string binaryStl(const TriangleSurface& s) {
-  std::string bytes = "solid";  // binary files, too, begin so
-  bytes.resize(80, ' ');
-  const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
-  put(static_cast<std::uint32_t>(s.triangles.size()));
-  for (const auto& triangle : s.triangles) {
-    for (int k = 0; k < 3; ++k) put(0.0F);
-    for (const int v : triangle)
-      for (const double x : s.vertices[static_cast<std::size_t>(v)]) put(static_cast<float>(x));
-    put(std::uint16_t{0});
-  }
-  return bytes;
-}
 
 constexpr const char* tetrahedron_ply = R"(ply
 format ascii 1.0
@@ -161,7 +148,10 @@ std::vector<std::string> objSeeds() {
           "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
           "f 1 3 2\r\nf 1 2 4\r\nf 1 4 3\r\nf 2 3 4\r\n"};
 }
-std::vector<std::string> stlSeeds() { return {tetrahedron_stl, binaryStl(boxSurface({1, 1, 1}, 1))}; }
+std::vector<std::string> stlSeeds() {
+  // Binary files, too, begin so.
+  return {tetrahedron_stl, test::binaryStl(boxSurface({1, 1, 1}, 1), "solid" + std::string(75, ' '))};
+}
 
 void holdSurface(const SurfaceFile& file) {
   const auto& vertices = file.surface.vertices;

@@ -9,11 +9,13 @@
 #include "discretization/surface/solids.h"
 #include "discretization/surface/surface_geometry.h"
 #include "support/bad_texts.h"
+#include "support/binary_stl.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
 using namespace palpate;
 using Catch::Contains;
+using test::binaryStl;
 
 namespace {
 
@@ -42,21 +44,6 @@ std::string asciiStl(const TriangleSurface& s) {
     text += "    endloop\n  endfacet\n";
   }
   return text + "endsolid made by a test\n";
-}
-
-std::string binaryStl(const TriangleSurface& s, const std::string& title = "binary") {
-  std::string bytes = title;
-  bytes.resize(80, '\0');
-  const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
-  put(static_cast<std::uint32_t>(s.triangles.size()));
-  for (const auto& t : s.triangles) {
-    for (int k = 0; k < 3; ++k) put(0.0F);
-    for (int v : t) {
-      for (int k = 0; k < 3; ++k) put(static_cast<float>(s.vertices[v][k]));
-    }
-    put(std::uint16_t{0});
-  }
-  return bytes;
 }
 
 std::string crlf(const std::string& text) {

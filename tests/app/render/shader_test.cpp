@@ -1,40 +1,22 @@
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "app/render/offscreen_context.h"
 #include "app/render/renderer.h"
 #include "app/render/shader_program.h"
 #include "app/render/shader_source.h"
+#include "support/temp_folder.h"
 
 using namespace palpate;
 using namespace palpate::app;
-namespace fs = std::filesystem;
-
-namespace {
-
-/// A folder of shader files for one test; others run at the same time.
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("palpate_shader_test_" + std::to_string(::getpid()));
-  Folder() {
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~Folder() { fs::remove_all(path); }
-  void write(const char* name, const char* text) const { std::ofstream(path / name) << text; }
-};
-
-}  // namespace
 
 TEST_CASE("An included file is joined once, and lines keep their places", "[shader]") {
-  const Folder folder;
+  const TempFolder folder;
   folder.write("a.glsl", "float a;\n");
   folder.write("b.glsl", "#include \"a.glsl\"\nfloat b;\n");
   folder.write("main.frag", "#include \"a.glsl\"\n  #include \"b.glsl\"  // again through b\nfloat c;\n");
-  const ShaderSource source = readShader(folder.path, "main.frag");
+  const ShaderSource source = readShader(folder.path(""), "main.frag");
   CHECK(source.files == std::vector<std::string>{"main.frag", "a.glsl", "b.glsl"});
   CHECK(source.text ==
         "#version 330 core\n"
@@ -47,13 +29,13 @@ TEST_CASE("An included file is joined once, and lines keep their places", "[shad
 }
 
 TEST_CASE("A wrong include names file, line and what is wanted", "[shader]") {
-  const Folder folder;
+  const TempFolder folder;
   folder.write("main.frag", "void main() {\n}\n#include \"gone.glsl\"\n");
-  CHECK_THROWS_WITH(readShader(folder.path, "main.frag"),
+  CHECK_THROWS_WITH(readShader(folder.path(""), "main.frag"),
                     Catch::Contains("main.frag:3: ") && Catch::Contains("gone.glsl"));
   folder.write("main.frag", "\n#include <gone.glsl>\n");
-  CHECK_THROWS_WITH(readShader(folder.path, "main.frag"), Catch::Contains("main.frag:2: malformed include"));
-  CHECK_THROWS_WITH(readShader(folder.path, "none.frag"), Catch::Contains("none.frag"));
+  CHECK_THROWS_WITH(readShader(folder.path(""), "main.frag"), Catch::Contains("main.frag:2: malformed include"));
+  CHECK_THROWS_WITH(readShader(folder.path(""), "none.frag"), Catch::Contains("none.frag"));
 }
 
 TEST_CASE("Compilers' logs get file names", "[shader]") {
@@ -65,28 +47,28 @@ TEST_CASE("Compilers' logs get file names", "[shader]") {
 
 TEST_CASE("A shader that does not compile names the included file and its line", "[shader][gl]") {
   const OffscreenContext context;
-  const Folder folder;
+  const TempFolder folder;
   folder.write("ok.vert", "void main() { gl_Position = vec4(0.0); }\n");
   folder.write("broken.glsl", "float good() { return 1.0; }\nfloat bad() { return missing; }\n");
   folder.write("main.frag", "#include \"broken.glsl\"\nout vec4 colour;\nvoid main() { colour = vec4(bad()); }\n");
-  CHECK_THROWS_WITH(ShaderProgram(folder.path, "ok.vert", "main.frag"),
+  CHECK_THROWS_WITH(ShaderProgram(folder.path(""), "ok.vert", "main.frag"),
                     Catch::Contains("main.frag does not compile") && Catch::Contains("broken.glsl:2:"));
 
   folder.write("main.frag", "out vec4 colour;\nfloat missing();\nvoid main() { colour = vec4(missing()); }\n");
-  CHECK_THROWS_WITH(ShaderProgram(folder.path, "ok.vert", "main.frag"), Catch::Contains("do not link"));
+  CHECK_THROWS_WITH(ShaderProgram(folder.path(""), "ok.vert", "main.frag"), Catch::Contains("do not link"));
 
   folder.write("main.frag", "out vec4 colour;\nvoid main() { colour = vec4(1.0); }\n");
-  const ShaderProgram program(folder.path, "ok.vert", "main.frag");
+  const ShaderProgram program(folder.path(""), "ok.vert", "main.frag");
   CHECK_THROWS_WITH(program.uniform("absent"), Catch::Contains("absent"));
 }
 
 TEST_CASE("The shaders' folder is found, and a wrong PALPATE_SHADER_DIR is refused", "[shader]") {
   ::unsetenv("PALPATE_SHADER_DIR");
-  CHECK(fs::exists(findShaderDir() + "/studio.glsl"));
-  const Folder empty;
-  ::setenv("PALPATE_SHADER_DIR", empty.path.c_str(), 1);
-  CHECK_THROWS_WITH(findShaderDir(), Catch::Contains(empty.path.string()));
+  CHECK(std::filesystem::exists(findShaderDir() + "/studio.glsl"));
+  const TempFolder empty;
+  ::setenv("PALPATE_SHADER_DIR", empty.path("").c_str(), 1);
+  CHECK_THROWS_WITH(findShaderDir(), Catch::Contains(empty.path("")));
   empty.write("frame.glsl", "");
-  CHECK(findShaderDir() == empty.path.string());
+  CHECK(findShaderDir() == empty.path(""));
   ::unsetenv("PALPATE_SHADER_DIR");
 }

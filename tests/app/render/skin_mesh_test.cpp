@@ -4,25 +4,13 @@
 #include <set>
 
 #include "snapshots/hand_made_model.h"
+#include "support/cubes.h"
 
 using namespace palpate;
 using namespace palpate::app;
 
-namespace {
-
-/// A cube from 0 to 1, outward normals.
-TriangleSurface cube() {
-  TriangleSurface s;
-  for (int i = 0; i < 8; ++i) s.vertices.emplace_back(i & 1, (i >> 1) & 1, i >> 2);
-  s.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return s;
-}
-
-}  // namespace
-
 TEST_CASE("A cube keeps its edges: three normals at each corner", "[skin]") {
-  const Model model = handMadeModel(cube(), 0.5, ToolShape{}, 2);
+  const Model model = handMadeModel(test::cubes({1, 1, 1}, 1, [](const Vec3&) { return true; }), 0.5, ToolShape{}, 2);
   SkinMesh skin(model);
   skin.update(restSnapshot(model, Vec3(0, 0, 2)), View{});
   CHECK(skin.vertices().size() == 24);
