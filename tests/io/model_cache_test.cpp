@@ -64,9 +64,8 @@ struct OwnCache {
 std::uint64_t hashAfterTicks(const Model& model, int ticks) {
   State state = initialState(model);
   Workspace workspace(model, 1);
-  Command command;
-  command.tools[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + 0.003);
-  for (int k = 0; k < ticks; ++k) tick(model, state, command, workspace);
+  const double deep = model.tools.first().first_contact_travel + 0.003;
+  test::moveAlong(model, state, workspace, ticks, [&](int) { return deep; });
   return stateHash(model, state);
 }
 

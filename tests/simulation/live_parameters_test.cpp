@@ -15,11 +15,8 @@ namespace {
 
 /// The tool `depth` deep after `ticks` ticks.
 void press(const Model& model, State& state, Workspace& workspace, double depth, int ticks) {
-  Command command;
-  for (int k = 1; k <= ticks; ++k) {
-    command.tools[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + depth * k / ticks);
-    tick(model, state, command, workspace);
-  }
+  test::moveAlong(model, state, workspace, ticks,
+                  [&](int k) { return model.tools.first().first_contact_travel + depth * k / ticks; });
 }
 
 /// Share of the stable step at rest, and the depth at which mass is first added to keep it below 1, m.

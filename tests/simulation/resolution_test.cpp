@@ -93,13 +93,9 @@ TEST_CASE("A touch narrower than the nodes are apart is expected to be as far of
     const Model model = test::blockModel(scene);
     Workspace workspace(model, 2);
     State state = initialState(model);
-    StepReport report;
-    Command command;
-    for (int k = 1; k <= 400; ++k) {
-      command.tools[0].pose =
-          test::toolAt(model, model.tools.first().first_contact_travel + 0.002 * std::min(1.0, k / 200.0));
-      report = tick(model, state, command, workspace);
-    }
+    const double touch = model.tools.first().first_contact_travel;
+    const auto travelAt = [&](int k) { return touch + 0.002 * std::min(1.0, k / 200.0); };
+    const StepReport report = test::moveAlong(model, state, workspace, 400, travelAt);
     force[fine] = report.tool_force.norm();
     expected[fine] = report.expected_error;
     AlignedVector<Double4> u;
@@ -193,13 +189,9 @@ TEST_CASE("A narrow touch that bends a bar counts by what it gives there", "[res
     const Model model = buildModel(scene, boxSurface({0.2, 0.04, 0.03}, 0.004));
     Workspace workspace(model, 2);
     State state = initialState(model);
-    Command command;
-    StepReport report;
     const double touch = model.tools.first().first_contact_travel, way = bends ? 0.01 : 0.00025;
-    for (int k = 1; k <= 1200; ++k) {
-      command.tools[0].pose = test::toolAt(model, touch + way * std::min(1.0, k / 600.0));
-      report = tick(model, state, command, workspace);
-    }
+    const auto travelAt = [&](int k) { return touch + way * std::min(1.0, k / 600.0); };
+    const StepReport report = test::moveAlong(model, state, workspace, 1200, travelAt);
     CAPTURE(bends, report.tool_force.norm());
     REQUIRE(report.contact_count > 0);
     AlignedVector<Double4> u;

@@ -134,13 +134,9 @@ TEST_CASE("A tool under a hand that goes through the table does not, nor does th
   const Model model = test::blockModel(scene);
   State state = initialState(model);
   Workspace workspace(model, 1);
-  Command command;
-  command.tools[0].pose = test::toolAt(model, 0.08);
-  std::uint32_t flags = 0;
-  StepReport report;
-  for (int k = 0; k < 250; ++k) flags |= (report = tick(model, state, command, workspace)).flags;
+  const StepReport report = test::moveAlong(model, state, workspace, 250, [](int) { return 0.08; });
   CHECK(report.loads[0].stopped);
-  CHECK((flags & (kNotFinite | kBlowUp)) == 0);
+  CHECK((report.flags & (kNotFinite | kBlowUp)) == 0);
   CHECK(state.tool[0].pose.position.z() > 0.9 * kept);
   double lowest = 0;
   for (int v = 0; v < model.skin.vertexCount(); ++v)

@@ -294,13 +294,8 @@ double forceOnSlab(double height, double held, double& pierced) {
   pierced = edges > 0 ? static_cast<double>(across) / edges : 0;
   Workspace workspace(model, 2);
   State state = initialState(model);
-  Command command;
-  StepReport report;
-  for (int k = 1; k <= 300; ++k) {
-    command.tools[0].pose = test::toolAt(model, 0.004 * std::min(1.0, k / 150.0));
-    report = tick(model, state, command, workspace);
-  }
-  return report.tool_force.norm();
+  const auto travelAt = [](int k) { return 0.004 * std::min(1.0, k / 150.0); };
+  return test::moveAlong(model, state, workspace, 300, travelAt).tool_force.norm();
 }
 
 }  // namespace

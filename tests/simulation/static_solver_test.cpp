@@ -12,6 +12,7 @@
 using namespace palpate;
 using test::blockModel;
 using test::blockScene;
+using test::moveAlong;
 using test::roller;
 using test::toolAt;
 
@@ -219,14 +220,10 @@ TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[
 
   State state = initialState(model);
   Workspace workspace(model, 1);
-  Command command;
-  StepReport report;
-  for (int k = 1; k <= 1000; ++k) {  // 1 s down, 1 s to come to rest
-    command.tools[0].pose = toolAt(model, (model.tools.first().first_contact_travel + depth) *
-                                              LoadCurve{}.at(k / model.scene.dynamics.rate_hz, 1.0));
-    report = tick(model, state, command, workspace);
-    REQUIRE(report.flags == 0);
-  }
+  const StepReport report = moveAlong(model, state, workspace, 1000, [&](int k) {  // 1 s down, 1 s to come to rest
+    return (model.tools.first().first_contact_travel + depth) * LoadCurve{}.at(k / model.scene.dynamics.rate_hz, 1.0);
+  });
+  REQUIRE(report.flags == 0);
   INFO("static " << e.tool_force.transpose() << " loop " << report.tool_force.transpose());
   CHECK(e.tool_force.z() > 0.01);
   CHECK((e.tool_force - report.tool_force).norm() < 0.01 * report.tool_force.norm());

@@ -8,6 +8,7 @@
 using namespace palpate;
 using test::blockModel;
 using test::blockScene;
+using test::moveAlong;
 using test::toolAt;
 
 namespace {
@@ -187,10 +188,8 @@ TEST_CASE("No pose of the tool makes a number that is not finite", "[step][conta
   for (const double depth : {0.005, 0.02, 0.05}) {  // the last one passes through the whole block
     State state = initialState(model);
     Workspace workspace(model, 1);
-    Command command;
-    command.tools[0].pose = toolAt(model, model.tools.first().first_contact_travel + depth);
-    std::uint32_t flags = 0;
-    for (int k = 0; k < 100; ++k) flags |= tick(model, state, command, workspace).flags;
+    const double deep = model.tools.first().first_contact_travel + depth;
+    const std::uint32_t flags = moveAlong(model, state, workspace, 100, [&](int) { return deep; }).flags;
     bool finite = true;
     for (const auto& u : state.u) finite = finite && toVec3(u).allFinite();
     INFO("depth " << depth << " flags " << flags);

@@ -334,10 +334,8 @@ TEST_CASE("The error to expect of a tool's force is not thinned by what loads st
     State state = initialState(model);
     Workspace workspace(model, 1);
     run(model, state, workspace, 0.5);
-    Command command;
-    command.tools[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + 0.005);
-    StepReport report;
-    for (int k = 0; k < 300; ++k) report = tick(model, state, command, workspace);
+    const double deep = model.tools.first().first_contact_travel + 0.005;
+    const StepReport report = test::moveAlong(model, state, workspace, 300, [&](int) { return deep; });
     REQUIRE(report.isTouched());
     return report.expected_error;
   };

@@ -28,6 +28,9 @@ Scene layered(double height, double young, double spacing) {
   return scene;
 }
 
+/// The tool's travel in tick k.
+double pressing(int k) { return 0.002 + 0.004 * std::min(1.0, k / 100.0); }
+
 }  // namespace
 
 TEST_CASE("A layer that the cells see little of is told by name, and doubted", "[simulation][resolution]") {
@@ -37,12 +40,7 @@ TEST_CASE("A layer that the cells see little of is told by name, and doubted", "
   CHECK(layerWarning(model).find("material 2 (\"bottom\") is a layer thinner than the nodes") != std::string::npos);
   Workspace workspace(model, 1);
   State state = initialState(model);
-  Command command = restCommand(model);
-  StepReport report;
-  for (int k = 1; k <= 300; ++k) {
-    command.tools[0].pose = test::toolAt(model, 0.002 + 0.004 * std::min(1.0, k / 100.0));
-    report = tick(model, state, command, workspace);
-  }
+  const StepReport report = test::moveAlong(model, state, workspace, 300, pressing);
   REQUIRE(report.tool_force.norm() > 0);
   CHECK(report.expected_error >= model.layer_error);
   CHECK(doubtOf(model, report) == Doubt::Resolution);
@@ -65,12 +63,7 @@ TEST_CASE("Materials that are set live make a layer of what was none, or none of
     const Model loaded = test::blockModel(layered(0.002, 100, 0.012));
     CHECK(error == Approx(loaded.layer_error).epsilon(1e-6));
     Workspace workspace(model, 1);
-    Command command = restCommand(model);
-    StepReport report;
-    for (int k = 1; k <= 300; ++k) {
-      command.tools[0].pose = test::toolAt(model, 0.002 + 0.004 * std::min(1.0, k / 100.0));
-      report = tick(model, state, command, workspace);
-    }
+    const StepReport report = test::moveAlong(model, state, workspace, 300, pressing);
     CHECK(report.expected_error >= error);
   }
 }

@@ -22,14 +22,9 @@ double pressedForce(const Scene& scene, double depth, const Material* live = nul
   Workspace workspace(model, 2);
   State state = initialState(model);
   if (live != nullptr) setMaterial(model, 0, *live, state.live);
-  Command command = restCommand(model);
-  StepReport report;
-  for (int k = 1; k <= 200; ++k) {
-    command.tools[0].pose =
-        test::toolAt(model, model.tools.first().first_contact_travel + depth * std::min(1.0, k / 100.0));
-    report = tick(model, state, command, workspace);
-  }
-  return report.tool_force.norm();
+  const double touch = model.tools.first().first_contact_travel;
+  const auto travelAt = [&](int k) { return touch + depth * std::min(1.0, k / 100.0); };
+  return test::moveAlong(model, state, workspace, 200, travelAt).tool_force.norm();
 }
 
 }  // namespace

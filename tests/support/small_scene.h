@@ -5,6 +5,8 @@
 
 #include "discretization/surface/solids.h"
 #include "setup/build_model.h"
+#include "step/step.h"
+#include "step/tool_bodies.h"
 
 namespace palpate::test {
 
@@ -67,6 +69,22 @@ inline Pose toolAt(const Model& model, double travel, double slide = 0) {
   Pose pose = model.tools.first().start.pose;
   pose.position += travel * (pose.orientation * -Vec3::UnitZ()) + slide * Vec3::UnitX();
   return pose;
+}
+
+/// Moves the first tool, in tick k from 1 on by `travelAt(k)` from its start; others stand. Returns the last tick's
+/// report, but with the flags of all.
+template <class TravelAt>
+StepReport moveAlong(const Model& model, State& state, Workspace& workspace, int ticks, TravelAt&& travelAt) {
+  Command command = restCommand(model);
+  StepReport report;
+  std::uint32_t flags = 0;
+  for (int k = 1; k <= ticks; ++k) {
+    command.tools[0].pose = toolAt(model, travelAt(k));
+    report = tick(model, state, command, workspace);
+    flags |= report.flags;
+  }
+  report.flags = flags;
+  return report;
 }
 
 }  // namespace palpate::test
