@@ -22,8 +22,7 @@ Cell cellAt(double index, int size) {
 bool sameGrid(const ImageGrid& a, const ImageGrid& b) {
   if (a.size != b.size) return false;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 index((corner & 1) * (a.size[0] - 1), (corner >> 1 & 1) * (a.size[1] - 1),
-                     (corner >> 2 & 1) * (a.size[2] - 1));
+    const Vec3 index = a.corner(corner);
     if (!(b.inverse * (a.worldOf(index) - b.worldOf(index))).isZero(1e-3)) return false;
   }
   return true;
@@ -49,19 +48,15 @@ float linearValue(const Image& image, const Vec3& index) {
 
 float cubicValue(const Image& image, const Vec3& index) {
   std::size_t at[3][4];
-  double weight[3][4];
+  std::array<double, 4> weight[3];
   const std::size_t stride[3] = {
       1, static_cast<std::size_t>(image.grid.size[0]),
       static_cast<std::size_t>(image.grid.size[0]) * static_cast<std::size_t>(image.grid.size[1])};
   for (int a = 0; a < 3; ++a) {
     const Cell c = cellAt(index[a], image.grid.size[a]);
-    const double t = c.t, t2 = t * t, t3 = t2 * t;
-    const double w[4] = {-0.5 * t + t2 - 0.5 * t3, 1 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2 * t2 - 1.5 * t3,
-                         -0.5 * t2 + 0.5 * t3};
-    for (int s = 0; s < 4; ++s) {
+    weight[a] = cubicWeights(c.t);
+    for (int s = 0; s < 4; ++s)
       at[a][s] = stride[a] * static_cast<std::size_t>(std::clamp(c.low + s - 1, 0, image.grid.size[a] - 1));
-      weight[a][s] = w[s];
-    }
   }
   const float* value = image.value.data();
   const auto row = [&](int r, int s) {

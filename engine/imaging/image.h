@@ -35,6 +35,10 @@ struct ImageGrid {
            static_cast<std::size_t>(size[0]) *
                (static_cast<std::size_t>(j) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
   }
+  /// The index of an outermost voxel. @param k  0 to 7
+  Vec3 corner(int k) const {
+    return Vec3((k & 1) * (size[0] - 1), (k >> 1 & 1) * (size[1] - 1), (k >> 2 & 1) * (size[2] - 1));
+  }
   Vec3 worldOf(const Vec3& index) const { return origin + axes * index; }
   Vec3 worldOf(int i, int j, int k) const { return worldOf(Vec3(i, j, k)); }
   /// The index at which a place lies; whole numbers are voxels' centres.
@@ -66,6 +70,12 @@ struct ImageOf {
 using Image = ImageOf<float>;
 using Mask = ImageOf<std::uint8_t>;  // 1 inside, 0 outside
 using VectorImage = ImageOf<Vec3f>;
+
+/// Weights of samples at -1, 0, 1 and 2 for the value at t in 0 .. 1 by cubic convolution (Catmull-Rom).
+inline std::array<double, 4> cubicWeights(double t) {
+  const double t2 = t * t, t3 = t2 * t;
+  return {-0.5 * t + t2 - 0.5 * t3, 1 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2 * t2 - 1.5 * t3, -0.5 * t2 + 0.5 * t3};
+}
 
 /// Value at an index between voxels; beyond the outermost centres that of the nearest voxel.
 float nearestValue(const Image& image, const Vec3& index);

@@ -110,8 +110,7 @@ bool isSound(const ImageGrid& grid) {
 double cornerDistance(const ImageGrid& a, const ImageGrid& b) {
   double largest = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 index((corner & 1) * (a.size[0] - 1), (corner >> 1 & 1) * (a.size[1] - 1),
-                     (corner >> 2 & 1) * (a.size[2] - 1));
+    const Vec3 index = a.corner(corner);
     largest = std::max(largest, (a.worldOf(index) - b.worldOf(index)).norm());
   }
   return largest;

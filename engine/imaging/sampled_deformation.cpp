@@ -218,10 +218,8 @@ struct SampledDeformation::Weights {
 
   explicit Weights(const Vec3& t_of) {
     for (int a = 0; a < 3; ++a) {
-      const double t = t_of[a], t2 = t * t, t3 = t2 * t;
-      const double w[4] = {-0.5 * t + t2 - 0.5 * t3, 1 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2 * t2 - 1.5 * t3,
-                           -0.5 * t2 + 0.5 * t3};
-      for (int s = 0; s < 4; ++s) value[a][s] = static_cast<float>(w[s]);
+      const std::array<double, 4> w = cubicWeights(t_of[a]);
+      for (std::size_t s = 0; s < 4; ++s) value[a][s] = static_cast<float>(w[s]);
     }
   }
 };
