@@ -40,8 +40,7 @@ void Neighbours::fillGrid(const std::vector<double>& radius) {
     first_.assign(2, 0);
     return;
   }
-  Eigen::AlignedBox3d box;
-  for (const Vec3& x : X_) box.extend(x);
+  const Box3 box = boxOf(X_);
   origin_ = box.min();
   // Cells of half the longest radius: smaller ones are more to visit, larger ones hold more that is too far. No more
   // of them than a few per node.

@@ -15,6 +15,14 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Vec3f = Eigen::Vector3f;
 using Quat = Eigen::Quaterniond;
+using Box3 = Eigen::AlignedBox3d;
+
+/// Smallest axis-aligned box around all points; empty where there are none.
+inline Box3 boxOf(const std::vector<Vec3>& points) {
+  Box3 box;
+  for (const Vec3& x : points) box.extend(x);
+  return box;
+}
 
 /// One node's vector as the kernels load it: x, y, z and an unused lane that stays 0.
 template <class Real>

@@ -85,12 +85,6 @@ const Parameter& parameterOf(const Scene& scene, const std::vector<Material>& ma
                    "there is " + listed(names, "and"));
 }
 
-double bodySize(const std::vector<Vec3>& X) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& x : X) box.extend(x);
-  return box.diagonal().norm();
-}
-
 }  // namespace
 
 EquilibriumSensitivity::EquilibriumSensitivity(const Model& model, int threads, Watch watch, double accuracy)
@@ -103,7 +97,7 @@ EquilibriumSensitivity::EquilibriumSensitivity(const Model& model, int threads, 
           gershgorinRows(model.point_shape, model.point_volume, model.point_material, model.materials, model.X.size())),
       body_(model, mass_, threads),
       profile_(toolProfile(model.scene.tools[0].shape)),
-      size_(bodySize(model.X)),
+      size_(boxOf(model.X).diagonal().norm()),
       u_(model.X.size()),
       probe_(model.X.size()),
       f_plus_(model.X.size()),

@@ -25,12 +25,6 @@ constexpr double rounding_error = 1e-13;
 /// tool only just touches, gaps are differences of such coordinates, and contact goes on at this level for ever.
 constexpr double coordinate_rounding = 4 * std::numeric_limits<double>::epsilon();
 
-double diagonal(const std::vector<Vec3>& X) {
-  Eigen::AlignedBox3d box;
-  for (const auto& x : X) box.extend(x);
-  return box.diagonal().norm();
-}
-
 }  // namespace
 
 void requireUniqueEquilibrium(const Scene& scene) {
@@ -56,7 +50,7 @@ StaticSolver::StaticSolver(const Model& model, int threads, double tolerance)
       rigid_(model.rigid, model.skin, mass_),
       body_(model, mass_, threads),
       relaxation_(1.0),
-      size_(diagonal(model.X)),
+      size_(boxOf(model.X).diagonal().norm()),
       probe_u_(model.X.size()),
       probe_f_(model.X.size()) {
   requireUniqueEquilibrium(model.scene);

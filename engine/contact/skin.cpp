@@ -24,7 +24,7 @@ void bisect(const std::vector<Vec3>& X, int first, int last, bool in_region, Ski
     skin.cluster_begin.push_back(last);
     return;
   }
-  Eigen::AlignedBox3d box;
+  Box3 box;
   for (int k = first; k < last; ++k) box.extend(X[order[k]]);
   int axis = 0;
   box.sizes().maxCoeff(&axis);

@@ -47,10 +47,8 @@ void joinPiercing(const TriangleSurface& surface, const SurfaceTree& tree, const
     if (t % 4096 == 0) SetupWatch::check();
     const int p = parts.part[t];
     if (!asked[p]) continue;
-    Box3 box;
-    for (const int v : surface.triangles[t]) box.extend(surface.vertices[v]);
     near.clear();
-    tree.facesNear(box, near);
+    tree.facesNear(faceBox(surface, t), near);
     for (const int other : near)
       if (bodies.find(parts.part[other]) != bodies.find(p) && facesPierce(surface, t, other))
         bodies.join(p, parts.part[other]);

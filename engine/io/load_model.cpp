@@ -145,9 +145,7 @@ void place(const OrganSpec& organ, TriangleSurface& surface) {
 }  // namespace
 
 std::string sizeWarning(const Scene& scene, const TriangleSurface& surface) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& x : surface.vertices) box.extend(x);
-  const double length = box.sizes().maxCoeff();
+  const double length = boundingBox(surface).sizes().maxCoeff();
   if (length >= shortest_organ && length <= longest_organ) return {};
   const auto [key, question] = sizeKey(scene);
   const std::string place = placeOf(scene, key).text();

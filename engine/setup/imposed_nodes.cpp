@@ -124,8 +124,7 @@ void checkHeld(const Scene& scene, const EssentialNodes& essential, std::size_t 
   if (std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
                   [](const BoundarySpec& b) { return b.duration == 0; }))
     return;
-  Box3 box;
-  for (const Vec3& X : essential.X) box.extend(X);
+  const Box3 box = boxOf(essential.X);
   const double length = std::max(box.diagonal().norm(), scene.discretization.spacing);
   // Each imposed component of a place X stops one mix of the shifts t and the turns w: (t + w x X) e_c.
   Eigen::Matrix<double, 6, 6> stopped = Eigen::Matrix<double, 6, 6>::Zero();

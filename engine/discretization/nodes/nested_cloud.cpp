@@ -17,12 +17,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int inside = 3;
 constexpr double on_feature = 0.2;  // spacings
 
-Eigen::AlignedBox3d boxOf(const std::vector<Vec3>& X) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& x : X) box.extend(x);
-  return box;
-}
-
 double distanceToSegment(const Vec3& x, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
   const double length2 = along.squaredNorm();
@@ -33,7 +27,7 @@ double distanceToSegment(const Vec3& x, const Vec3& a, const Vec3& b) {
 /// Of each node the distance from the nearest one of lower dimension, m; infinity where there is none.
 std::vector<double> distanceToLower(const std::vector<Vec3>& X, const std::vector<std::uint8_t>& dimension,
                                     double cell) {
-  const Eigen::AlignedBox3d box = boxOf(X);
+  const Box3 box = boxOf(X);
   const double farthest = box.diagonal().norm();
   std::vector<double> distance(X.size(), infinity);
   for (int d = 1; d <= inside; ++d) {

@@ -33,7 +33,7 @@ struct Bisection {
   void slice(std::vector<int>& order, std::size_t begin, std::size_t end, double thick, int axis) const {
     const std::size_t unit = static_cast<std::size_t>(leaf) * 4;
     const std::size_t middle = begin + (end - begin) / 2 / unit * unit;
-    const Eigen::AlignedBox3d box = boxOf(order, begin, end);
+    const Box3 box = boxOf(order, begin, end);
     const double distance = std::cbrt(box.volume() / static_cast<double>(end - begin));
     if (middle == begin || !(distance > 0) || box.sizes()[axis] < 2 * thick * distance) {
       split(order, begin, end);
@@ -44,8 +44,8 @@ struct Bisection {
     slice(order, middle, end, thick, axis);
   }
 
-  Eigen::AlignedBox3d boxOf(const std::vector<int>& order, std::size_t begin, std::size_t end) const {
-    Eigen::AlignedBox3d box;
+  Box3 boxOf(const std::vector<int>& order, std::size_t begin, std::size_t end) const {
+    Box3 box;
     for (std::size_t k = begin; k < end; ++k) box.extend(X[order[k]]);
     return box;
   }

@@ -28,7 +28,7 @@ constexpr double longest_move = 0.15;
 // Shares of the time that the stages take, about.
 constexpr double faces_thrown = 0.05, faces_done = 0.3, inside_found = 0.5, inside_thrown = 0.6;
 
-Eigen::AlignedBox3d padded(Eigen::AlignedBox3d box) {
+Box3 padded(Box3 box) {
   const Vec3 margin = Vec3::Constant(1e-3 * box.sizes().maxCoeff());
   return {box.min() - margin, box.max() + margin};
 }
@@ -270,7 +270,7 @@ void Scatter::judge(Cube& cube) const {
 
 /// The leaves of an octree over the body, those outside left out, in the order of a depth-first search.
 std::vector<Cube> Scatter::leaves() const {
-  const Eigen::AlignedBox3d box = padded(boundingBox(surface_.surface()));
+  const Box3 box = padded(boundingBox(surface_.surface()));
   const Vec3 middle = box.center();
   std::vector<Cube> cubes{{middle, box.sizes().maxCoeff(), -surface_.signedDistance(middle),
                            surface_.closest(middle).point, 0, false, Cube::Kind::Open}};

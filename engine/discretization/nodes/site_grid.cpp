@@ -7,7 +7,7 @@ namespace {
 constexpr double max_cells = 4e6;  // 16 MB of first entries
 }
 
-SiteGrid::SiteGrid(const Eigen::AlignedBox3d& box, double cell) : origin_(box.min()), cell_(cell) {
+SiteGrid::SiteGrid(const Box3& box, double cell) : origin_(box.min()), cell_(cell) {
   const auto cellCount = [&](double edge) { return ((box.sizes() / edge).array().floor() + 1).prod(); };
   while (cellCount(cell_) > max_cells) cell_ *= 1.25;
   count_ = (box.sizes() / cell_).array().floor().cast<int>() + 1;

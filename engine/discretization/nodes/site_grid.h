@@ -21,7 +21,7 @@ class SiteGrid {
   /// @param box   where the sites will be; those outside are kept in the border cells
   /// @param cell  edge of a cell, m; best near the search radius. Enlarged where it would need
   ///              more than 4 million cells.
-  SiteGrid(const Eigen::AlignedBox3d& box, double cell);
+  SiteGrid(const Box3& box, double cell);
 
   /// Replaces all sites. The sites of a cell are then contiguous in memory, so that searches are faster than after a
   /// series of additions; the results are the same.

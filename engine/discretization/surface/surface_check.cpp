@@ -170,12 +170,8 @@ bool facesPierce(const TriangleSurface& surface, int s, int t) {
   int shared = 0;
   for (int v : f) shared += std::find(g.begin(), g.end(), v) != g.end();
   if (shared >= 2) return false;  // neighbours across an edge
-  const auto size = [&](const std::array<int, 3>& face) {
-    Box3 box;
-    for (int v : face) box.extend(surface.vertices[v]);
-    return box.diagonal().norm();
-  };
-  const double depth = pierce_ratio * std::min(size(f), size(g));
+  const auto size = [&](int face) { return faceBox(surface, face).diagonal().norm(); };
+  const double depth = pierce_ratio * std::min(size(s), size(t));
   const auto anyEdge = [&](const std::array<int, 3>& from, const std::array<int, 3>& through) {
     for (int k = 0; k < 3; ++k) {
       const int p = from[k], q = from[(k + 1) % 3];
@@ -200,10 +196,8 @@ void forPiercingPairs(const TriangleSurface& surface, Found&& found) {
   std::vector<int> near;
   for (int t = 0; t < static_cast<int>(surface.triangles.size()); ++t) {
     if (t % 4096 == 0) SetupWatch::check();
-    Box3 box;
-    for (int v : surface.triangles[t]) box.extend(surface.vertices[v]);
     near.clear();
-    tree.facesNear(box, near);
+    tree.facesNear(faceBox(surface, t), near);
     std::sort(near.begin(), near.end());
     for (int other : near)
       if (other > t && facesPierce(surface, t, other) && !found(t, other)) return;
@@ -212,12 +206,10 @@ void forPiercingPairs(const TriangleSurface& surface, Found&& found) {
 
 void checkPiercing(const Subject& s) {
   forPiercingPairs(s.surface, [&](int t, int other) -> bool {
-    Box3 box;
-    for (int v : s.surface.triangles[t]) box.extend(s.surface.vertices[v]);
-    throw InputError(
-        s.facePlace(t),
-        s.face(t) + " and face " + std::to_string(other + 1) + " pierce one another near " + text(box.center()),
-        "unite overlapping parts (boolean union) or remove the self-intersection");
+    throw InputError(s.facePlace(t),
+                     s.face(t) + " and face " + std::to_string(other + 1) + " pierce one another near " +
+                         text(faceBox(s.surface, t).center()),
+                     "unite overlapping parts (boolean union) or remove the self-intersection");
   });
 }
 

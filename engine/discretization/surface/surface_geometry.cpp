@@ -28,9 +28,9 @@ double signedVolume(const TriangleSurface& surface) {
   return volume;
 }
 
-Box3 boundingBox(const TriangleSurface& surface) {
+Box3 faceBox(const TriangleSurface& surface, int t) {
   Box3 box;
-  for (const Vec3& v : surface.vertices) box.extend(v);
+  for (const int v : surface.triangles[t]) box.extend(surface.vertices[v]);
   return box;
 }
 

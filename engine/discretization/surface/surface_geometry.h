@@ -7,8 +7,6 @@
 
 namespace palpate {
 
-using Box3 = Eigen::AlignedBox3d;
-
 /// Half the cross product of two edges of face t: its normal times its area, m^2.
 Vec3 areaVector(const TriangleSurface& surface, int t);
 
@@ -24,7 +22,9 @@ double signedVolume(const TriangleSurface& surface);
 double meanRadius(const TriangleSurface& surface);
 
 /// Smallest axis-aligned box around all vertices, m; empty for a surface without vertices.
-Box3 boundingBox(const TriangleSurface& surface);
+inline Box3 boundingBox(const TriangleSurface& surface) { return boxOf(surface.vertices); }
+/// The same around a face.
+Box3 faceBox(const TriangleSurface& surface, int t);
 
 /// Unit normals at the vertices, each the mean of its faces' normals weighted by their angles at the vertex
 /// (independent of how a flat face is divided into triangles). Zero at a vertex without faces. (vertex_count)

@@ -62,12 +62,6 @@ SurfaceTree::SurfaceTree(TriangleSurface surface) : surface_(std::move(surface))
   if (count > 0) build(0, count, centroids);
 }
 
-Box3 SurfaceTree::faceBox(int t) const {
-  Box3 box;
-  for (int v : surface_.triangles[t]) box.extend(surface_.vertices[v]);
-  return box;
-}
-
 /// Large parts on cores of their own, whose nodes are put together afterwards: the same tree on any number of cores.
 int SurfaceTree::build(int begin, int end, std::vector<Vec3>& centroids) {
   constexpr int worth_a_core = 100'000;  // faces
@@ -78,7 +72,7 @@ int SurfaceTree::build(int begin, int end, std::vector<Vec3>& centroids) {
     double area = 0;
     for (int i = first; i < last; ++i) {
       const int t = order_[i];
-      node.box.extend(faceBox(t));
+      node.box.extend(faceBox(surface_, t));
       centroid_box.extend(centroids[t]);
       const Vec3 vector = areaVector(surface_, t);
       node.area_vector += vector;
@@ -287,7 +281,7 @@ void SurfaceTree::facesNear(const Box3& box, std::vector<int>& triangles) const 
     if (!node.box.intersects(box)) continue;
     if (node.count > 0) {
       for (int i = node.first; i < node.first + node.count; ++i) {
-        if (faceBox(order_[i]).intersects(box)) triangles.push_back(order_[i]);
+        if (faceBox(surface_, order_[i]).intersects(box)) triangles.push_back(order_[i]);
       }
     } else {
       stack.push(node.first);

@@ -67,7 +67,6 @@ class SurfaceTree {
   };
 
   int build(int begin, int end, std::vector<Vec3>& centroids);
-  Box3 faceBox(int t) const;
 
   TriangleSurface surface_;
   std::vector<int> order_;   // (triangle_count) faces, leaf by leaf

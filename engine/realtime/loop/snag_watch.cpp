@@ -11,9 +11,7 @@ SnagWatch::SnagWatch(const Model& model, int tool)
       tool_(static_cast<std::size_t>(tool)),
       still_(stands * model.tools.tool[tool_].shape.radius),
       needed_(std::llround(seconds * model.scene.dynamics.rate_hz)) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& X : model.skin.surface.vertices) box.extend(X);
-  far_ = far * box.sizes().norm();
+  far_ = far * boxOf(model.skin.surface.vertices).sizes().norm();
 }
 
 /// Whether the contact pushes the tool against going along `way` hardly more than along it.
