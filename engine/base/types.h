@@ -50,6 +50,8 @@ struct Pose {
 
   Vec3 toWorld(const Vec3& local) const { return orientation * local + position; }
   Vec3 toLocal(const Vec3& world) const { return orientation.conjugate() * (world - position); }
+  /// Whether its numbers are finite, and the orientation's not near 0.
+  bool isSound() const { return position.allFinite() && orientation.coeffs().allFinite() && orientation.norm() > 0.5; }
 };
 
 /// Allocator for arrays that vector units stream: 64 bytes is a cache line and an AVX-512 register.

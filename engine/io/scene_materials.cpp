@@ -80,12 +80,7 @@ Material readLaw(const TomlTable& table) {
   const std::string one = withArticle(law);
   for (const Parameter& p : law.parameters)
     if (p.isRequired()) table.require({p.name}, one);
-  for (const MaterialLaw& other : laws)
-    for (const Parameter& p : other.parameters) {
-      const bool own = std::any_of(law.parameters.begin(), law.parameters.end(),
-                                   [&](const Parameter& mine) { return std::string_view(mine.name) == p.name; });
-      if (!own) table.forbid({p.name}, "to " + one);
-    }
+  for (const MaterialLaw& other : laws) table.forbidForeign(other.parameters, law.parameters, "to " + one);
   Material material = Material::of(law.name);
   std::map<std::string, std::vector<double>> lists;
   const auto readNumber = [&](const Parameter& p) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <string_view>
 
 #include "base/printable_text.h"
 #include "contact/tool_set.h"
@@ -41,13 +40,8 @@ ToolSpec readTool(const TomlTable& any, const std::filesystem::path& folder) {
   ToolShape& tool = spec.shape;
   tool.kind = static_cast<ToolKind>(any.readChoice("shape", 0));
   const ToolType& type = toolType(tool.kind);
-  for (const ToolType* other : toolTypes()) {
-    for (const Parameter& foreign : other->parameters) {
-      const bool known = std::any_of(type.parameters.begin(), type.parameters.end(),
-                                     [&](const Parameter& own) { return std::string_view(own.name) == foreign.name; });
-      if (!known) any.forbid({foreign.name}, std::string("to a ") + type.title);
-    }
-  }
+  for (const ToolType* other : toolTypes())
+    any.forbidForeign(other->parameters, type.parameters, std::string("to a ") + type.title);
 
   const TomlTable table = any.within({"tool", toolKeyGroup(type)});
   table.read("radius", tool.radius);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/number_text.h"
+#include "base/printable_text.h"
 #include "discretization/surface/weld_vertices.h"
 #include "imaging/mend_surface.h"
 #include "io/obj_parser.h"
@@ -108,8 +109,7 @@ SurfaceFile readSurface(const std::string& path, double scale, const SourceLocat
 }
 
 SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, double scale, SurfaceReading reading) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string ending = lowerCase(std::filesystem::path(path).extension().string());
   const auto parser =
       std::find_if(std::begin(formats), std::end(formats), [&](const Format& f) { return ending == f.ending; });
   if (parser == std::end(formats)) {

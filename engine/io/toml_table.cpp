@@ -216,4 +216,12 @@ void TomlTable::forbid(std::initializer_list<const char*> keys, const std::strin
   }
 }
 
+void TomlTable::forbidForeign(std::span<const Parameter> others, std::span<const Parameter> own,
+                              const std::string& because) const {
+  for (const Parameter& p : others)
+    if (std::none_of(own.begin(), own.end(),
+                     [&](const Parameter& mine) { return std::string_view(mine.name) == p.name; }))
+      forbid({p.name}, because);
+}
+
 }  // namespace palpate

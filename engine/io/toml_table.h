@@ -99,6 +99,9 @@ class TomlTable {
 
   /// Throws if a key is there: "it means nothing `because`".
   void forbid(std::initializer_list<const char*> keys, const std::string& because) const;
+  /// The same for the parameters of others that are not one's own.
+  void forbidForeign(std::span<const Parameter> others, std::span<const Parameter> own,
+                     const std::string& because) const;
 
  private:
   const KeySpec& spec(const std::string& key) const;

@@ -14,10 +14,8 @@ void FurtherHands::take(const Request& request, Command& command) {
     memory_.opened[k] = true;
     return;
   }
-  const Pose& pose = request.pose;
-  const bool finite = pose.position.allFinite() && pose.orientation.coeffs().allFinite();
-  if (k == 0 || !finite || !(pose.orientation.norm() > 0.5)) return;
-  command.tools[k].pose = pose;
+  if (k == 0 || !request.pose.isSound()) return;
+  command.tools[k].pose = request.pose;
   memory_.moved[k] = true;
 }
 

@@ -5,10 +5,6 @@
 namespace palpate {
 namespace {
 
-bool isFinite(const Pose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.orientation.norm() > 0.5;
-}
-
 LogEvent::Kind eventOf(Request::Kind setting) {
   switch (setting) {
     case Request::Kind::SetFriction:
@@ -123,7 +119,7 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
 
 void SimulationLoop::moveTool(const Request& request, bool from_track) {
   Pose target = request.pose;
-  if (!isFinite(target)) return;
+  if (!target.isSound()) return;
   if (from_track) {  // exactly, and at once
     command_.tools[0].pose = target;
     track_.goal().jumpTo(target);
