@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <system_error>
@@ -25,38 +26,74 @@ constexpr const char* kMagic = "palpate-recording";
 constexpr int kVersion = 3;                                    // what the loop makes of the same input is part of it
 constexpr std::uintmax_t kMaxBytes = std::uintmax_t{4} << 30;  // ten hours of a tool that moves each millisecond
 
+constexpr int no_most = std::numeric_limits<int>::max();
+
+/// Changes that are no more than an index and a vector, or neither: "word index x y z".
+struct PlainChange {
+  Request::Kind kind;
+  const char* word;
+  const char* index = nullptr;  // what it counts; null: there is none
+  int least = 0, most = no_most;
+  const char* misfit = nullptr;  // where the index is out of these
+  const char* point = nullptr;   // what a component is; null: there is none
+};
+
+constexpr PlainChange plain_changes[] = {
+    {Request::Kind::ReleasePull, "release"},
+    {Request::Kind::Reset, "reset"},
+    {Request::Kind::Restart, "restart"},
+    {Request::Kind::Undo, "undo"},
+    {Request::Kind::Unmark, "unmark"},
+    {Request::Kind::Submit, "submit"},
+    {Request::Kind::SetGravity, "gravity", nullptr, 0, 0, nullptr, "an acceleration, m/s^2"},
+    {Request::Kind::Pull, "pull", "a skin vertex", 0, no_most, "a skin vertex can't be negative", "a coordinate, m"},
+    {Request::Kind::SetForce, "force", "a skin vertex", -1, no_most, "a skin vertex can't be negative", "a force, N"},
+    {Request::Kind::Pin, "pin", "a skin vertex", 0, no_most, "a skin vertex can't be negative", "a coordinate, m"},
+    {Request::Kind::Unpin, "unpin", "a skin vertex", -1, no_most, "a number can't be below -1, which is all"},
+    {Request::Kind::MoveRegion, "region", "a region", -1, no_most, "a number can't be below -1, which is all",
+     "a shift, m"},
+    {Request::Kind::Mark, "mark", "how hard, 1 .. 3", 1, 3, "a mark is 1, 2 or 3 hard", "a coordinate, m"},
+};
+
+/// That `is` it, or null.
+template <class Is>
+const PlainChange* plainChange(Is is) {
+  const auto found = std::find_if(std::begin(plain_changes), std::end(plain_changes), is);
+  return found == std::end(plain_changes) ? nullptr : found;
+}
+
 void append(std::string& line, std::initializer_list<double> values) {
   for (const double value : values) line.append(" ").append(shortest(value));
+}
+
+void append(std::string& line, const Vec3& v) { append(line, {v.x(), v.y(), v.z()}); }
+
+void append(std::string& line, const Pose& pose) {
+  append(line, pose.position);
+  append(line, {pose.orientation.w(), pose.orientation.x(), pose.orientation.y(), pose.orientation.z()});
 }
 
 std::string lineOf(const TimedRequest& change) {
   const Request& r = change.request;
   std::string line = std::to_string(change.tick);
+  if (const PlainChange* plain = plainChange([&](const PlainChange& p) { return p.kind == r.kind; })) {
+    line.append(" ").append(plain->word);
+    if (plain->index != nullptr) line.append(" ").append(std::to_string(r.index));
+    if (plain->point != nullptr) append(line, r.point);
+    return line;
+  }
   switch (r.kind) {
-    case Request::Kind::MoveTool: {
-      const Vec3& p = r.pose.position;
-      const Quat& q = r.pose.orientation;
+    case Request::Kind::MoveTool:
       line += " tool";
-      append(line, {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
+      append(line, r.pose);
       break;
-    }
-    case Request::Kind::MoveHand: {
-      const Vec3& p = r.pose.position;
-      const Quat& q = r.pose.orientation;
+    case Request::Kind::MoveHand:
       line += " hand " + std::to_string(r.index);
-      append(line, {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
+      append(line, r.pose);
       break;
-    }
     case Request::Kind::SetOpening:
       line += " opening " + std::to_string(r.index);
       append(line, {r.value});
-      break;
-    case Request::Kind::Pull:
-      line += " pull " + std::to_string(r.index);
-      append(line, {r.point.x(), r.point.y(), r.point.z()});
-      break;
-    case Request::Kind::ReleasePull:
-      line += " release";
       break;
     case Request::Kind::SetFriction:
       line += " friction";
@@ -74,44 +111,9 @@ std::string lineOf(const TimedRequest& change) {
       });
       break;
     }
-    case Request::Kind::SetGravity:
-      line += " gravity";
-      append(line, {r.point.x(), r.point.y(), r.point.z()});
-      break;
-    case Request::Kind::SetForce:
-      line += " force " + std::to_string(r.index);
-      append(line, {r.point.x(), r.point.y(), r.point.z()});
-      break;
-    case Request::Kind::Pin:
-    case Request::Kind::MoveRegion:
-      line += (r.kind == Request::Kind::Pin ? " pin " : " region ") + std::to_string(r.index);
-      append(line, {r.point.x(), r.point.y(), r.point.z()});
-      break;
-    case Request::Kind::Unpin:
-      line += " unpin " + std::to_string(r.index);
-      break;
-    case Request::Kind::Reset:
-      line += " reset";
-      break;
-    case Request::Kind::Restart:
-      line += " restart";
-      break;
-    case Request::Kind::Undo:
-      line += " undo";
-      break;
-    case Request::Kind::Mark:
-      line += " mark " + std::to_string(r.index);
-      append(line, {r.point.x(), r.point.y(), r.point.z()});
-      break;
     case Request::Kind::GoToPlace:
       line += " place";
       for (const int centre : r.place) line += ' ' + std::to_string(centre);
-      break;
-    case Request::Kind::Unmark:
-      line += " unmark";
-      break;
-    case Request::Kind::Submit:
-      line += " submit";
       break;
     default:
       throw std::invalid_argument("a recording holds what moves the physics and what is said, nothing else");
@@ -168,6 +170,15 @@ int readTool(LineReader& line, int first) {
 
 Request readChange(LineReader& line) {
   const std::string_view what = line.word("what changed");
+  if (const PlainChange* plain = plainChange([&](const PlainChange& p) { return what == p.word; })) {
+    Request request = Request::simple(plain->kind);
+    if (plain->index != nullptr) {
+      request.index = line.integer<int>(plain->index);
+      if (request.index < plain->least || request.index > plain->most) line.fail(plain->misfit);
+    }
+    if (plain->point != nullptr) request.point = line.vector(plain->point);
+    return request;
+  }
   if (what == "tool") return Request::moveTool(readPose(line));
   if (what == "hand") {
     const int tool = readTool(line, 1);
@@ -177,43 +188,13 @@ Request readChange(LineReader& line) {
     const int tool = readTool(line, 0);
     return Request::setOpening(tool, line.number("an opening, m"));
   }
-  if (what == "pull") {
-    const int vertex = line.integer<int>("a skin vertex");
-    if (vertex < 0) line.fail("a skin vertex can't be negative");
-    return Request::pull(vertex, line.vector("a coordinate, m"));
-  }
-  if (what == "release") return Request::simple(Request::Kind::ReleasePull);
-  if (what == "reset") return Request::simple(Request::Kind::Reset);
-  if (what == "restart") return Request::simple(Request::Kind::Restart);
-  if (what == "undo") return Request::simple(Request::Kind::Undo);
   if (what == "friction") {
     const double coefficient = line.number("a friction coefficient");
     return Request::setFriction(coefficient, line.atEnd() ? 0 : line.integer<int>("a tool's number"));
   }
-  if (what == "gravity") return Request::setGravity(line.vector("an acceleration, m/s^2"));
-  if (what == "force") {
-    const int vertex = line.integer<int>("a skin vertex");
-    if (vertex < -1) line.fail("a skin vertex can't be negative");
-    return Request::setForce(vertex, line.vector("a force, N"));
-  }
-  if (what == "pin") {
-    const int vertex = line.integer<int>("a skin vertex");
-    if (vertex < 0) line.fail("a skin vertex can't be negative");
-    return Request::pin(vertex, line.vector("a coordinate, m"));
-  }
-  if (what == "unpin" || what == "region") {
-    const int index = line.integer<int>(what == "unpin" ? "a skin vertex" : "a region");
-    if (index < -1) line.fail("a number can't be below -1, which is all");
-    return what == "unpin" ? Request::unpin(index) : Request::moveRegion(index, line.vector("a shift, m"));
-  }
   if (what == "material") {
     const int index = line.integer<int>("a material's index");
     return Request::setMaterial(index, readMaterial(line));
-  }
-  if (what == "mark") {
-    const int hardness = line.integer<int>("how hard, 1 .. 3");
-    if (hardness < 1 || hardness > 3) line.fail("a mark is 1, 2 or 3 hard");
-    return Request::mark(line.vector("a coordinate, m"), hardness);
   }
   if (what == "place") {
     PlaceIndex place = no_place;
@@ -224,8 +205,6 @@ Request readChange(LineReader& line) {
     if (place[0] < 0) line.fail("the first tool's centre is missing");
     return Request::goToPlace(place);
   }
-  if (what == "unmark") return Request::simple(Request::Kind::Unmark);
-  if (what == "submit") return Request::simple(Request::Kind::Submit);
   line.fail(inQuotes(what) + " is not a change that a recording can hold");
 }
 
