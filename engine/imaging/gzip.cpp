@@ -81,7 +81,7 @@ std::string gzipped(std::string_view bytes) {
   });
 }
 
-struct ByteReader::Inflate {
+struct GzipReader::Inflate {
   z_stream stream{};
   bool ended = false;  // the last member is read
   Inflate() {
@@ -90,19 +90,19 @@ struct ByteReader::Inflate {
   ~Inflate() { inflateEnd(&stream); }
 };
 
-ByteReader::ByteReader(std::string_view bytes) : bytes_(bytes) {
+GzipReader::GzipReader(std::string_view bytes) : bytes_(bytes) {
   if (isGzip(bytes)) inflate_ = std::make_unique<Inflate>();
 }
 
-ByteReader::~ByteReader() = default;
+GzipReader::~GzipReader() = default;
 
-std::size_t ByteReader::maxSize() const {
+std::size_t GzipReader::maxSize() const {
   if (!inflate_) return bytes_.size();
   return bytes_.size() > std::numeric_limits<std::size_t>::max() / max_ratio ? std::numeric_limits<std::size_t>::max()
                                                                              : bytes_.size() * max_ratio;
 }
 
-std::size_t ByteReader::read(char* to, std::size_t count) {
+std::size_t GzipReader::read(char* to, std::size_t count) {
   if (!inflate_) {
     count = std::min(count, bytes_.size() - at_);
     if (count != 0) std::memcpy(to, bytes_.data() + at_, count);

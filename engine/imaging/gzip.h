@@ -19,12 +19,12 @@ std::string gzipped(std::string_view bytes);
 std::string gzipped(std::size_t size, const std::function<void(std::size_t begin, std::size_t count, char* to)>& fill);
 
 /// Reads what stands in a gzip file or, where it is none, the bytes themselves, piece by piece.
-class ByteReader {
+class GzipReader {
  public:
-  explicit ByteReader(std::string_view bytes);
-  ~ByteReader();
-  ByteReader(const ByteReader&) = delete;
-  ByteReader& operator=(const ByteReader&) = delete;
+  explicit GzipReader(std::string_view bytes);
+  ~GzipReader();
+  GzipReader(const GzipReader&) = delete;
+  GzipReader& operator=(const GzipReader&) = delete;
 
   /// Reads up to `count` bytes; fewer at the end. Throws std::runtime_error saying what is wrong with the gzip data.
   std::size_t read(char* to, std::size_t count);

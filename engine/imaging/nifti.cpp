@@ -150,7 +150,7 @@ ImageGrid gridOf(const Header& h, const std::array<int, 3>& size, const std::str
 }
 
 /// Passes over the bytes before the voxels.
-void skip(ByteReader& reader, std::size_t count, const std::string& name) {
+void skip(GzipReader& reader, std::size_t count, const std::string& name) {
   char buffer[4096];
   while (count != 0) {
     const std::size_t got = reader.read(buffer, std::min(count, sizeof buffer));
@@ -160,7 +160,7 @@ void skip(ByteReader& reader, std::size_t count, const std::string& name) {
 }
 
 /// Reads the voxels in pieces, so that no more memory is taken than the image needs.
-void readValues(ByteReader& reader, const Header& h, const StoredType& type, const std::string& name, Image& image,
+void readValues(GzipReader& reader, const Header& h, const StoredType& type, const std::string& name, Image& image,
                 const NiftiOptions& options) {
   // No number, as some programs write it, and 0 say that nothing is scaled.
   if (std::isinf(h.slope) || std::isinf(h.intercept))
@@ -197,7 +197,7 @@ void readValues(ByteReader& reader, const Header& h, const StoredType& type, con
 
 Image imageFromNifti(std::string_view bytes, const std::string& name, const NiftiOptions& options) {
   try {
-    ByteReader reader(bytes);
+    GzipReader reader(bytes);
     std::string start(nifti::header_bytes_2, '\0');
     start.resize(reader.read(start.data(), start.size()));
     const Header h = nifti::readHeader(start, name);
@@ -215,7 +215,7 @@ Image imageFromNifti(std::string_view bytes, const std::string& name, const Nift
              "the file is too short for " + std::to_string(image.grid.voxelCount()) + " voxels from byte " +
                  format("%.17g", offset) + " on",
              "it is cut short or damaged: copy it again");
-    ByteReader again(bytes);
+    GzipReader again(bytes);
     skip(again, static_cast<std::size_t>(offset), name);
     readValues(again, h, type, name, image, options);
     return image;

@@ -38,7 +38,7 @@ void readNiftiFrom(const std::string& bytes) {
   const std::size_t count = image.grid.voxelCount();
   hold(count > 0 && image.value.size() == count, "voxels and size differ");
   hold(image.value.capacity() <= count + 16, "more memory than the image needs");
-  hold(count <= ByteReader(bytes).maxSize(), "more voxels than the bytes can hold");
+  hold(count <= GzipReader(bytes).maxSize(), "more voxels than the bytes can hold");
   hold(image.grid.axes.allFinite() && image.grid.inverse.allFinite() && image.grid.origin.allFinite(),
        "an image that lies nowhere");
   for (const float value : image.value) hold(std::isfinite(value), "a voxel that is no number");
