@@ -204,17 +204,15 @@ Chosen chosenOf(const Image& scan, const Mask& mask, std::size_t inside) {
   Chosen chosen;
   const std::size_t stride = (inside + sample_count - 1) / sample_count;
   std::size_t seen = 0;
-  for (int k = 0; k < mask.grid.size[2]; ++k)
-    for (int j = 0; j < mask.grid.size[1]; ++j)
-      for (int i = 0; i < mask.grid.size[0]; ++i) {
-        if (!mask(i, j, k)) continue;
-        const Vec3 index(i, j, k);
-        chosen.low = chosen.low.cwiseMin(index);
-        chosen.high = chosen.high.cwiseMax(index);
-        if (seen++ % stride != 0) continue;
-        chosen.value.push_back(scan(i, j, k));
-        chosen.index.push_back(index);
-      }
+  forVoxels(mask.grid, [&](int i, int j, int k) {
+    if (!mask(i, j, k)) return;
+    const Vec3 index(i, j, k);
+    chosen.low = chosen.low.cwiseMin(index);
+    chosen.high = chosen.high.cwiseMax(index);
+    if (seen++ % stride != 0) return;
+    chosen.value.push_back(scan(i, j, k));
+    chosen.index.push_back(index);
+  });
   return chosen;
 }
 

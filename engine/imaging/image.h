@@ -55,6 +55,14 @@ struct ImageGrid {
 /// Whether two grids have the same voxels, but for rounding (a thousandth of a voxel at the corners).
 bool sameGrid(const ImageGrid& a, const ImageGrid& b);
 
+/// Calls each(i, j, k) for all voxels, in their order in memory.
+template <class Each>
+void forVoxels(const ImageGrid& grid, Each each) {
+  for (int k = 0; k < grid.size[2]; ++k)
+    for (int j = 0; j < grid.size[1]; ++j)
+      for (int i = 0; i < grid.size[0]; ++i) each(i, j, k);
+}
+
 /// A value for each voxel; the first index runs fastest.
 template <class T>
 struct ImageOf {

@@ -164,11 +164,10 @@ Mask keepLargestPart(const Mask& mask, MaskParts& parts) {
   const auto outside_counts = numberParts(kept, 0, number);
   std::vector<char> open(outside_counts.size() + 1, 0);
   const auto& size = mask.grid.size;
-  for (int k = 0; k < size[2]; ++k)
-    for (int j = 0; j < size[1]; ++j)
-      for (int i = 0; i < size[0]; ++i)
-        if (i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1)
-          open[static_cast<std::size_t>(number[mask.grid.at(i, j, k)])] = 1;
+  forVoxels(mask.grid, [&](int i, int j, int k) {
+    if (i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1)
+      open[static_cast<std::size_t>(number[mask.grid.at(i, j, k)])] = 1;
+  });
   for (std::size_t v = 0; v < number.size(); ++v)
     if (number[v] != 0 && !open[static_cast<std::size_t>(number[v])]) {
       kept.value[v] = 1;
@@ -187,12 +186,11 @@ Mask withoutTails(const Mask& mask, double radius, double reach) {
   const Image to_core = squaredDistance(core, 1);
   const Vec3 low = mask.grid.indexOf(near.grid.origin);
   Mask kept = mask;
-  for (int k = 0; k < near.grid.size[2]; ++k)
-    for (int j = 0; j < near.grid.size[1]; ++j)
-      for (int i = 0; i < near.grid.size[0]; ++i)
-        if (near(i, j, k) && std::sqrt(static_cast<double>(to_core(i, j, k))) > radius + half + reach)
-          kept(i + static_cast<int>(std::lround(low.x())), j + static_cast<int>(std::lround(low.y())),
-               k + static_cast<int>(std::lround(low.z()))) = 0;
+  forVoxels(near.grid, [&](int i, int j, int k) {
+    if (near(i, j, k) && std::sqrt(static_cast<double>(to_core(i, j, k))) > radius + half + reach)
+      kept(i + static_cast<int>(std::lround(low.x())), j + static_cast<int>(std::lround(low.y())),
+           k + static_cast<int>(std::lround(low.z()))) = 0;
+  });
   return kept;
 }
 
@@ -232,16 +230,13 @@ void smooth(Image& image, double sigma) {
 
 Mask croppedTo(const Mask& mask, double margin) {
   std::array<int, 3> low = mask.grid.size, high{-1, -1, -1};
-  for (int k = 0; k < mask.grid.size[2]; ++k)
-    for (int j = 0; j < mask.grid.size[1]; ++j)
-      for (int i = 0; i < mask.grid.size[0]; ++i)
-        if (mask(i, j, k)) {
-          const int at[3] = {i, j, k};
-          for (std::size_t a = 0; a < 3; ++a) {
-            low[a] = std::min(low[a], at[a]);
-            high[a] = std::max(high[a], at[a]);
-          }
-        }
+  forVoxels(mask.grid, [&](int i, int j, int k) {
+    const int at[3] = {i, j, k};
+    for (std::size_t a = 0; a < 3 && mask(i, j, k); ++a) {
+      low[a] = std::min(low[a], at[a]);
+      high[a] = std::max(high[a], at[a]);
+    }
+  });
   const Vec3 h = mask.grid.spacing();
   std::array<int, 3> size{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -250,13 +245,11 @@ Mask croppedTo(const Mask& mask, double margin) {
     size[a] = std::max(1, high[a] + more - low[a] + 1);
   }
   Mask cropped(ImageGrid(size, mask.grid.axes, mask.grid.worldOf(low[0], low[1], low[2])));
-  for (int k = 0; k < size[2]; ++k)
-    for (int j = 0; j < size[1]; ++j)
-      for (int i = 0; i < size[0]; ++i) {
-        const int x = i + low[0], y = j + low[1], z = k + low[2];
-        if (x >= 0 && y >= 0 && z >= 0 && x < mask.grid.size[0] && y < mask.grid.size[1] && z < mask.grid.size[2])
-          cropped(i, j, k) = mask(x, y, z);
-      }
+  forVoxels(cropped.grid, [&](int i, int j, int k) {
+    const int x = i + low[0], y = j + low[1], z = k + low[2];
+    if (x >= 0 && y >= 0 && z >= 0 && x < mask.grid.size[0] && y < mask.grid.size[1] && z < mask.grid.size[2])
+      cropped(i, j, k) = mask(x, y, z);
+  });
   return cropped;
 }
 
