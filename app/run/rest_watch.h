@@ -38,9 +38,9 @@ class RestWatch {
   bool update(const State& state, const StepReport& last);
   /// m, largest |u - u at the first rest| of a node; the first call is that rest. Along axes along which nothing holds
   /// the body it may rest anywhere: there without its mean. 0 where friction's past decides how it rests: where it lies
-  /// loose, on another organ, or on what is rigid with friction, and while a further tool touches it. At another place of a cloud that
-  /// follows the tool it is the distance from where nothing is moved; where the body has weight or loads, the first
-  /// rest is taken anew.
+  /// loose, on another organ, or on what is rigid with friction, and while a further tool touches it. At another place
+  /// of a cloud that follows the tool it is the distance from where nothing is moved; where the body has weight or
+  /// loads, the first rest is taken anew.
   double driftOf(const State& state);
   /// m, how far the body has gone along axes along which nothing holds it.
   Vec3 slidOf(const State& state) const;

@@ -33,8 +33,8 @@ struct RigidStop {
 /// Throws InputError where a tool starts inside a rigid body that does not enclose the organ.
 void checkToolStarts(const Model& model);
 
-/// RigidStop::of for the tools of a batch solution, whose ways may be long: what holds the organ stops them along all of
-/// it, rigid bodies where it ends.
+/// RigidStop::of for the tools of a batch solution, whose ways may be long: what holds the organ stops them along all
+/// of it, rigid bodies where it ends.
 ToolsAt stoppedByRigid(const Model& model, const ToolsAt& from, const ToolsAt& wanted, double time);
 
 }  // namespace palpate
