@@ -46,8 +46,8 @@ void forEachContactPoint(const Model& model, const State& state, Call call) {
   for (int b = 0; b < model.tools.bodyCount(); ++b) {
     const ToolBody& body = model.tools.body[b];
     const Quat turn = bodyPose(body, state.tool[body.tool]).orientation;
-    forEachTouched(state.contact[b], [&](const Vec3& force, const Vec3f& normal, const SkinPoint& point) {
-      call(body.tool, skinPosition(model.skin, point, state.u.data()), turn * normal.cast<double>(), force);
+    forEachTouched(state.contact[b], [&](double, const Float4& force, const Vec3f& normal, const SkinPoint& point) {
+      call(body.tool, skinPosition(model.skin, point, state.u.data()), turn * normal.cast<double>(), toVec3(force));
     });
   }
 }

@@ -41,21 +41,21 @@ double TrueDepth::support(const Vec3& direction) const {
 
 double TrueDepth::of(const Pose& tool, const ContactState& contact) const {
   Vec3 sum = Vec3::Zero();  // tool's frame
-  forEachTouched(contact, [&](const Vec3& force, const Vec3f& normal, const SkinPoint&) {
-    sum += force.norm() * normal.cast<double>();
+  forEachTouched(contact, [&](double f, const Float4&, const Vec3f& normal, const SkinPoint&) {
+    sum += f * normal.cast<double>();
   });
   if (!(sum.norm() > 0)) return std::min(0.0, -gap(tool));
   const Vec3 push = sum.normalized();
 
   // The best aligned first: a tool that touches around its foremost point, as a hollow one would, has none there.
   double best = -1;
-  forEachTouched(contact, [&](const Vec3&, const Vec3f& normal, const SkinPoint&) {
+  forEachTouched(contact, [&](double, const Float4&, const Vec3f& normal, const SkinPoint&) {
     best = std::max(best, push.dot(normal.cast<double>()));
   });
   double weight = 0;
   Vec3 rest = Vec3::Zero(), at_rest = Vec3::Zero();
-  forEachTouched(contact, [&](const Vec3& force, const Vec3f& normal, const SkinPoint& point) {
-    const double w = force.norm() * std::max(0.0, push.dot(normal.cast<double>()) - best + kUnderTheTip);
+  forEachTouched(contact, [&](double f, const Float4&, const Vec3f& normal, const SkinPoint& point) {
+    const double w = f * std::max(0.0, push.dot(normal.cast<double>()) - best + kUnderTheTip);
     weight += w;
     for (std::size_t a = 0; a < static_cast<std::size_t>(point.corners); ++a) {
       const auto v = static_cast<std::size_t>(point.vertex[a]);

@@ -40,18 +40,21 @@ double expectedStretch(const FaceSamples& samples);
 /// Where a point of the skin is now, m. Real-time.
 Vec3 skinPosition(const SkinModel& skin, const SkinPoint& point, const Float4* u);
 
-/// Calls use(force on the tissue, N; outward normal of the tool in its frame; point of the skin) for each vertex and
-/// sample that carries force. Real-time.
+/// Calls use(size, force on the tissue, N; outward normal of the tool in its frame; point of the skin) for each vertex
+/// and sample that carries force. Real-time.
 template <class Use>
 void forEachTouched(const ContactState& contact, const Use& use) {
-  const auto one = [&](const Float4& f, const Vec3f& normal, const SkinPoint& point) {
-    if (const Vec3 force = toVec3(f); force.norm() > 0) use(force, normal, point);
-  };
-  for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k)
-    one(contact.force[k], contact.normal[k], SkinPoint{1, {contact.vertex[k]}, {1}});
+  for (int c = 0; c < contact.count; ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    const double f = toVec3(contact.force[k]).norm();
+    if (f > 0) use(f, contact.force[k], contact.normal[k], SkinPoint{1, {contact.vertex[k]}, {1}});
+  }
   const FaceSamples& samples = contact.samples;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(samples.count); ++k)
-    one(samples.force[k], samples.normal[k], samples.point[k]);
+  for (int c = 0; c < samples.count; ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    const double f = toVec3(samples.force[k]).norm();
+    if (f > 0) use(f, samples.force[k], samples.normal[k], samples.point[k]);
+  }
 }
 
 /// Interpolates a nodal field at a point of the skin. Lane w is 0. Real-time.
