@@ -138,11 +138,11 @@ constexpr KeySpec scene_keys[] = {
 
     {"material", "membership", T::Text, "", depends, {}, "",
      "In place of a region: NIfTI file (.nii, .nii.gz), relative to the scene file, of how much of each voxel is this "
-     "material, 0 to 1; the rest is the first material. Shear modulus, bulk modulus and density of each integration "
-     "point are mixed linearly by the mean over its cell, which is too stiff where the image's borders run through "
-     "cells and one tissue lies upon the other: the error to expect has it. World coordinates of the image in mm are "
-     "the organ's in m times 1000; it holds nine tenths of the organ or more. Both materials are neo-Hookean; one "
-     "material of a scene may have it.", never},
+     "material, 0 to 1; the rest is the first material. Shear and bulk modulus of each integration point are the "
+     "geometric mean of both by the mean share in its cell (in the paper's scheme, and densities, the arithmetic one): "
+     "too stiff or too soft where the image's borders run through cells, which the error to expect has. World "
+     "coordinates of the image in mm are the organ's in m times 1000; it holds nine tenths of the organ or more. Both "
+     "materials are neo-Hookean; one material of a scene may have it.", never},
     {"material", "mask", T::Text, "", "", {}, "",
      "With `membership`: NIfTI file on the same voxels; those where it is not above 0.5 are left out of the mean.",
      never},

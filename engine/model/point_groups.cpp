@@ -106,7 +106,7 @@ struct Fit {
 
 }  // namespace
 
-PointGroups makePointGroups(const Preparation& p) {
+PointGroups makePointGroups(const Preparation& p, const std::vector<int>& base) {
   PointGroups groups;
   std::map<std::pair<int, int>, int> number;  // of node and material
   std::vector<Fit> fit;
@@ -119,7 +119,8 @@ PointGroups makePointGroups(const Preparation& p) {
   for (std::size_t q = 0; q < points; ++q)
     for (std::size_t k = 0; k < 4; ++k) {
       const int node = p.cells[static_cast<std::size_t>(p.point_cell[q])][k];
-      const auto [group, is_new] = number.try_emplace({node, p.point_material[q]}, static_cast<int>(number.size()));
+      const int own = p.point_material[q], material = base.empty() ? own : base[static_cast<std::size_t>(own)];
+      const auto [group, is_new] = number.try_emplace({node, material}, static_cast<int>(number.size()));
       groups.of_point[q][k] = group->second;
       if (is_new) fit.emplace_back().node = p.X[static_cast<std::size_t>(node)];
     }

@@ -26,7 +26,9 @@ struct PointGroups {
   // (point_count) 1: its cell has a node at which what is held ends amid smooth skin, or is thin: stress has no bound.
   std::vector<std::uint8_t> at_edge;
 };
+/// @param base  (material_count) of each material the one whose group it belongs to, as mixtures do to their first;
+/// empty: each to its own
 /// Test: simulation/resolution_test.cpp
-PointGroups makePointGroups(const Preparation& preparation);
+PointGroups makePointGroups(const Preparation& preparation, const std::vector<int>& base = {});
 
 }  // namespace palpate

@@ -53,6 +53,9 @@ struct PointLoad {
   bool sheet = false;               // the skin between them moves as a smooth sheet
 };
 
+/// Of shares of tissue that mixes by an image (setup/mixtures.h).
+inline constexpr int mixture_steps = 255;
+
 /// A material and where it is.
 struct MaterialSpec {
   std::string name;  // as shown; "" where the scene gives none

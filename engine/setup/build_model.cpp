@@ -255,7 +255,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   static_cast<Preparation&>(model) = std::move(preparation);
   model.scene = scene;
   model.materials = materialsOf(scene);
-  model.point_groups = makePointGroups(model);
+  model.point_groups = makePointGroups(model, mixtureBases(scene));
   for (const double m : model.mass) model.inverse_mass.push_back(static_cast<float>(1 / m));
   if (model.mass != model.own_mass)
     for (std::size_t i = 0; i < model.mass.size(); ++i)

@@ -22,13 +22,13 @@ int mixtureOf(const Scene& scene, double share) {
   return static_cast<int>(scene.materials.size()) + step - 1;
 }
 
-Material mixed(const Material& first, const Material& second, double share) {
-  const auto mean = [share](double a, double b) { return (1 - share) * a + share * b; };
-  const double mu = mean(first.shear_modulus, second.shear_modulus), K = mean(first.bulk_modulus, second.bulk_modulus);
+Material mixed(const Scene& scene, const Material& first, const Material& second, double share) {
+  const double mu = mixedModulus(scene, first.shear_modulus, second.shear_modulus, share),
+               K = mixedModulus(scene, first.bulk_modulus, second.bulk_modulus, share);
   Material material = first;
   material.set("young", 9 * K * mu / (3 * K + mu));
   material.set("poisson", (3 * K - 2 * mu) / (2 * (3 * K + mu)));
-  material.set("density", mean(first.density, second.density));
+  material.set("density", (1 - share) * first.density + share * second.density);
   return material;
 }
 
@@ -72,6 +72,11 @@ int mixedMaterial(const Scene& scene) {
   return 0;
 }
 
+double mixedModulus(const Scene& scene, double first, double second, double share) {
+  return scene.discretization.formulation.sharp_interfaces ? first * std::pow(second / first, share)
+                                                           : (1 - share) * first + share * second;
+}
+
 double ownBulk(const Scene& scene) {
   const double own = scene.discretization.formulation.own_bulk;
   return mixedMaterial(scene) == 0 ? own : std::max(own, mixed_own_bulk);
@@ -98,8 +103,8 @@ std::vector<Material> materialsOf(const Scene& scene) {
   if (other != 0) checkPoisson(scene, scene.materials[static_cast<std::size_t>(other)]);
   if (other != 0)
     for (int step = 1; step < mixture_steps; ++step)
-      materials.push_back(
-          mixed(materials[0], materials[static_cast<std::size_t>(other)], static_cast<double>(step) / mixture_steps));
+      materials.push_back(mixed(scene, materials[0], materials[static_cast<std::size_t>(other)],
+                                static_cast<double>(step) / mixture_steps));
   return materials;
 }
 

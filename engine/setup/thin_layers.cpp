@@ -68,7 +68,9 @@ ThinLayer mixedLayer(const Scene& scene, int mixed, const std::vector<Vec3>& X,
   constexpr double of_supports = 2;
   const auto& materials = scene.materials;
   const MaterialSpec& other = materials[static_cast<std::size_t>(mixed)];
-  const double first = materials[0].material.shear_modulus, more = other.material.shear_modulus - first;
+  const auto modulus = [&](double share) {
+    return mixedModulus(scene, materials[0].material.shear_modulus, other.material.shear_modulus, share);
+  };
   double by_image = 0, by_cells = 0;  // compliance times volume
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto& [i, j, k, l] = cells[c];
@@ -77,10 +79,10 @@ ThinLayer mixedLayer(const Scene& scene, int mixed, const std::vector<Vec3>& X,
     for (std::size_t s = 0; cell_material[c] == 0 && s < samples.size(); ++s) {
       const auto& at = samples[s];
       const auto share = shareAt(*other.membership, at[0] * X[i] + at[1] * X[j] + at[2] * X[k] + at[3] * X[l]);
-      if (share) sum += *share, compliance += 1 / (first + *share * more), ++known;
+      if (share) sum += *share, compliance += 1 / modulus(*share), ++known;
     }
-    const double mean = known > 0 ? first + sum / known * more
-                                  : materials[static_cast<std::size_t>(cell_material[c])].material.shear_modulus;
+    const double mean =
+        known > 0 ? modulus(sum / known) : materials[static_cast<std::size_t>(cell_material[c])].material.shear_modulus;
     by_cells += size / mean;
     by_image += size * (known > 0 ? compliance / known : 1 / mean);
   }

@@ -105,6 +105,17 @@ TouchShape touchShapeOf(const Model& model, const Press& press) {
   return {tool.radius, touchRadius(tool), tipProfile(tool, tool.radius / 2) < 1e-3 * tool.radius};
 }
 
+/// By how much a point of mixed tissue may be too stiff: by the mean of the compliances, a share of its modulus.
+double mixedExcess(const Model& model, std::size_t q) {
+  const std::vector<MaterialSpec>& specs = model.scene.materials;
+  const int step = model.point_material[q] - static_cast<int>(specs.size()) + 1;
+  if (step <= 0) return 0;
+  const auto other = std::find_if(specs.begin(), specs.end(), [](const MaterialSpec& m) { return m.membership; });
+  const double share = static_cast<double>(step) / mixture_steps;
+  const double softness = (1 - share) / specs[0].material.shear_modulus + share / other->material.shear_modulus;
+  return 1 - 1 / (softness * model.materials[static_cast<std::size_t>(model.point_material[q])].shear_modulus);
+}
+
 }  // namespace
 
 void ErrorSums::add(const Model& model, std::size_t q, const Material& material, const Strain& strain,
@@ -114,6 +125,8 @@ void ErrorSums::add(const Model& model, std::size_t q, const Material& material,
   const double unseen = static_cast<double>(model.point_groups.unseen[q]);
   Strain mean;
   for (const Strain& s : at_nodes) mean.add(0.25, s);
+  if (const double excess = mixedExcess(model, q); excess > 0)
+    mixed += V * excess * material.shear_modulus * (0.5 * (F.transpose() * F - Mat3::Identity())).squaredNorm();
   if (pressed > 0) {
     uneven += V * pressedEnergy(material, F, strain.H - mean.H);
     held += V * material.bulk_modulus * std::pow(strain.dilatation - mean.dilatation, 2);
@@ -137,10 +150,11 @@ void ErrorSums::add(const Model& model, std::size_t q, const Material& material,
 }
 
 double ErrorSums::off(double energy) const {
-  if (pressed > 0) return pressed * (c_pressed * uneven + c_pressed_held * held + c_pressed_missed * missed);
+  if (pressed > 0)
+    return std::hypot(pressed * (c_pressed * uneven + c_pressed_held * held + c_pressed_missed * missed), mixed);
   const double stiff = c_uneven * uneven + c_held * held, soft = c_missed * missed + c_missed_fibres * missed_fibres,
                sum = stiff + soft;
-  return std::hypot(stiff - soft, c_both * sum * sum / energy);
+  return std::hypot(stiff - soft, c_both * sum * sum / energy, mixed);
 }
 
 PressList::PressList(const ToolLoads& loads) {

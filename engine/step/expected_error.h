@@ -70,6 +70,7 @@ struct Strain {
 struct ErrorSums {
   double pressed = 0;           // 0: a face is moved; else 1, or more below a flat end
   double uneven = 0, held = 0;  // of what is too stiff
+  double mixed = 0;             // of what mixes by an image, whose borders run through cells
   double missed = 0;            // of what is too soft,
   double missed_fibres = 0;     // and of that, but for presses, what fibres store
 
