@@ -65,8 +65,9 @@ double TrueDepth::of(const Pose& tool, const ContactState& contact) const {
     }
   });
   if (!(weight > 0)) return 0;
-  const Vec3 n = normalOf(at_rest.normalized(), tool.orientation * push);
-  return support(tool.orientation.conjugate() * n) - rest.dot(n) / weight;
+  const auto along = [&](const Vec3& n) { return support(tool.orientation.conjugate() * n) - rest.dot(n) / weight; };
+  const Vec3 of_contact = tool.orientation * push;
+  return std::max(0.0, std::min(along(of_contact), along(normalOf(at_rest.normalized(), of_contact))));
 }
 
 /// Clusters and regions that can't hold a nearer vertex are passed over.

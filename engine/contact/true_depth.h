@@ -9,7 +9,9 @@ namespace palpate {
 /// How deep the tool has pressed the skin: for any shape and pose of the tool, and wherever on the body it is.
 ///
 ///   touching:  d = max_s s . n - mean_v X_v . n     s on the tool, n = mean unit normal of the touched skin at rest,
-///                                                   into the tissue; of the tool there where the tissue has turned
+///                                                   into the tissue, or of the tool there: by which d is less (a ball
+///                                                   is right by the latter, a flat end by the former), and that of
+///                                                   the tool where the tissue has turned
 ///   in air:    d = -min_v distance(tool, X_v)       the gap to the skin at rest; 0 where that has gone from there
 ///
 /// Means over v are weighted by force and by how near the tool's normals there are to the force: what is under the tip

@@ -17,9 +17,9 @@ namespace palpate {
 /// the other, that is too stiff: a ball over a lump of 5 or 20 times the modulus was 11 and 28 % off; by the mean of
 /// the compliances one over as soft a lump 8 and 24 % too soft. The geometric mean is between: 6 and 13, 2 and 9 %.
 ///
-/// The shares are rounded to 1/255 (mixture_steps), so that moduli are exact to 0.6 % at a ratio of 20, and the mixtures
-/// are materials like all others: the stable step, mass scaling, node patches, pairs of cells and all that asks for a
-/// point's material needed no change. Only the kernel computes all of them in common (mixtureBases), so that
+/// The shares are rounded to 1/255 (mixture_steps), so that moduli are exact to 0.6 % at a ratio of 20, and the
+/// mixtures are materials like all others: the stable step, mass scaling, node patches, pairs of cells and all that
+/// asks for a point's material needed no change. Only the kernel computes all of them in common (mixtureBases), so that
 /// neighbouring points share their nodes whatever they are made of, and a scene that does not mix runs the same code as
 /// before.
 
