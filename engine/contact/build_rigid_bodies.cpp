@@ -15,10 +15,6 @@ constexpr double point_distance = 0.5;
 /// quarter). Two thirds of them press 4 % less than a tool of the same shape, which has all.
 constexpr double point_distance_on_round = 0.1;
 
-/// Apart from each other, per spacing of the nodes there, are the points at which friction acts: on points in a grid,
-/// each second one.
-constexpr double anchor_distance = 0.8;
-
 constexpr double cells_per_spacing = 3;
 constexpr double largest_cell = 2e-3;  // m: edges are as sharp as that
 /// Per radius of what is round: the distance to a ball is within a thousandth of its radius then, cell^2 / (4 radius).
@@ -48,27 +44,6 @@ void fillRow(const SurfaceTree& surface, const SurfaceSide& side, int j, int k, 
     sure = distance > steps * grid.cell;
     i += steps;
   }
-}
-
-/// Of each point one of those between which there is so much, the nearest.
-std::vector<int> anchorsOf(const SkinModel& skin, const std::vector<int>& points, int first,
-                           const SpacingField& spacing) {
-  const auto& X = skin.surface.vertices;
-  std::vector<int> anchors, of_point;
-  for (std::size_t p = 0; p < points.size(); ++p) {
-    const Vec3& x = X[points[p]];
-    const double apart = anchor_distance * spacing.at(x);
-    const auto nearest = std::min_element(anchors.begin(), anchors.end(), [&](int a, int b) {
-      return (X[points[a]] - x).squaredNorm() < (X[points[b]] - x).squaredNorm();
-    });
-    if (nearest == anchors.end() || (X[points[*nearest]] - x).squaredNorm() >= apart * apart)
-      anchors.push_back(static_cast<int>(p));
-  }
-  for (const int v : points)
-    of_point.push_back(first + *std::min_element(anchors.begin(), anchors.end(), [&](int a, int b) {
-                         return (X[points[a]] - X[v]).squaredNorm() < (X[points[b]] - X[v]).squaredNorm();
-                       }));
-  return of_point;
 }
 
 /// m, apart from each other, where points of the skin touch a body.
@@ -111,8 +86,6 @@ void addRigidBody(RigidBody body, const SkinModel& skin, const std::vector<int>&
   body.begin = bodies.pointCount();
   bodies.vertex.insert(bodies.vertex.end(), points.begin(), points.end());
   bodies.area.insert(bodies.area.end(), areas.begin(), areas.end());
-  const std::vector<int> anchors = anchorsOf(skin, points, body.begin, spacing);
-  bodies.anchor.insert(bodies.anchor.end(), anchors.begin(), anchors.end());
   body.end = bodies.pointCount();
   for (const int v : points) {
     Vec3 normal;

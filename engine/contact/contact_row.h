@@ -37,7 +37,6 @@ struct ContactRow {
   float stiffness = 0;                                  // N/m, K
   float mobility = 0;                                   // m/N, response of the point to a force on it
   float friction = 0;                                   // Coulomb coefficient
-  float carried = 0;                                    // N, on other points whose friction acts here
   float penetration = 0;                                // m, d when it was last solved
   int slot = 0;                                         // where its group remembers it
 };
@@ -52,10 +51,10 @@ inline Eigen::Vector4f updateForce(ContactRow& row, const Eigen::Vector4f& incre
   const float law = -K / (1 + K * A) * free, most = std::min(row.largest, (row.highest - free) / A);
   const float pressed = std::max(0.0F, std::min(law, most));
   Eigen::Vector4f force = pressed * row.normal;
-  if (row.friction > 0 && pressed + row.carried > 0) {
+  if (row.friction > 0 && pressed > 0) {
     Eigen::Vector4f slip = increment - row.surface;
     slip -= row.normal.dot(slip) * row.normal;
-    force += frictionForce(row.stick, slip, row.force - old * row.normal, K, A, row.friction * (pressed + row.carried));
+    force += frictionForce(row.stick, slip, row.force - old * row.normal, K, A, row.friction * pressed);
   }
   row.penetration = -(gap + A * (pressed - old));
   const Eigen::Vector4f change = force - row.force;

@@ -81,7 +81,6 @@ RigidState makeRigidState(const RigidBodies& bodies, int node_count) {
   state.force.assign(bodies.vertex.size(), Float4{});
   state.normal.assign(bodies.vertex.size(), Vec3f::Zero());
   state.row.resize(bodies.vertex.size());
-  state.row_of.assign(bodies.vertex.size(), -1);
   state.near.resize(bodies.vertex.size());
   state.near_u.assign(static_cast<std::size_t>(node_count), Float4{});
   return state;

@@ -38,12 +38,8 @@ struct RigidBody {
 struct RigidBodies {
   std::vector<RigidBody> body;  // (body_count)
   // The points that may touch, body by body.
-  std::vector<int> vertex;  // (point_count) skin vertices, ascending for each body
-  std::vector<float> area;  // (point_count) m^2 of the skin that each stands for
-  // (point_count) the point at which a point's friction acts while both touch: as many as there are nodes. Held at all
-  // of them, tissue has more conditions than nodes, which what keeps its volume does not survive (a block pressed flat
-  // by a fifth at nu 0.49 was 10 % too stiff).
-  std::vector<int> anchor;
+  std::vector<int> vertex;        // (point_count) skin vertices, ascending for each body
+  std::vector<float> area;        // (point_count) m^2 of the skin that each stands for
   std::vector<float> correction;  // (point_count) m, added to a grid's gap: exact at rest where the organ made it
   double row_sum = 1;             // largest sum_i |N_i| of a point: so much further than nodes it goes at most
 
@@ -72,7 +68,6 @@ void addRigidBody(RigidBody body, const SkinModel& skin, const std::vector<int>&
 /// A point before a body.
 struct RigidRow : ContactRow {
   int point = 0;
-  int anchor = -1;  // row at which its friction acts
   int body = 0;
 };
 
@@ -84,7 +79,6 @@ struct RigidState {
   // Scratch: the points that the step looks at, and when others have to be looked for. The result does not depend on
   // them.
   std::vector<RigidRow> row;        // (point_count)
-  std::vector<int> row_of;          // (point_count) in `row`; -1: none
   std::vector<int> near;            // (point_count)
   int near_count = -1;              // < 0: they are to be looked for
   AlignedVector<Float4> near_u;     // (node_count) m, displacement that they were looked for at

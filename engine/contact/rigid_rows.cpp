@@ -144,8 +144,6 @@ bool RigidRows::makeRow(const RigidBody& body, const Place& from, const Place& t
   const Vec3 along = state_->normal[point].isZero() ? out : state_->normal[point].cast<double>();
   state_->normal[point] = out.cast<float>();
   row.point = point;
-  row.anchor = -1;
-  row.carried = 0;
   row.normal = lanesOf(moves ? Vec3(to.turn * along) : along);
   row.surface = moves ? lanesOf(Vec3(end - from.toWorld(local_end))) : Vector4f::Zero();
   row.gap = static_cast<float>(gap);
@@ -154,27 +152,6 @@ bool RigidRows::makeRow(const RigidBody& body, const Place& from, const Place& t
   row.mobility = step_.alpha * compliance(step_.skin, v, step_.inverse_mass);
   carryOver(body, from, to, row);
   return true;
-}
-
-/// Friction acts at anchors that touch, too: what a point has of it goes there.
-void RigidRows::anchor() {
-  for (std::size_t k = 0; k < count_; ++k) state_->row_of[state_->row[k].point] = static_cast<int>(k);
-  for (std::size_t k = 0; k < count_; ++k) {
-    RigidRow& row = state_->row[k];
-    const int at = state_->row_of[bodies_->anchor[row.point]];
-    if (!(row.friction > 0) || at < 0 || at == static_cast<int>(k)) continue;
-    row.anchor = at;
-    RigidRow& anchor = state_->row[at];
-    anchor.carried += row.normal.dot(row.force);
-    push(row.point, -row.stick);
-    push(anchor.point, row.stick);
-    anchor.stick += row.stick;
-    anchor.force += row.stick;
-    row.force -= row.stick;
-    row.stick.setZero();
-    row.friction = 0;
-  }
-  for (std::size_t k = 0; k < count_; ++k) state_->row_of[state_->row[k].point] = -1;
 }
 
 std::size_t RigidRows::makeRows() {
@@ -193,7 +170,6 @@ std::size_t RigidRows::makeRows() {
         letGo(state_->near[k]);
     }
   }
-  anchor();
   return count_;
 }
 
@@ -202,10 +178,7 @@ bool RigidRows::sweep(bool forwards) {
   sweepRows(
       count_, forwards, change, [&](std::size_t k) -> RigidRow& { return state_->row[k]; },
       [&](const RigidRow& row) { return interpolateAtVertex(step_.skin, vertexOf(row.point), step_.du); },
-      [&](const RigidRow& row, const Vector4f& f) {
-        push(row.point, f);
-        if (row.anchor >= 0) state_->row[row.anchor].carried += row.normal.dot(f);
-      });
+      [&](const RigidRow& row, const Vector4f& f) { push(row.point, f); });
   return change.isSettled(settled_on_rigid);
 }
 

@@ -33,7 +33,6 @@ class RigidRows final : public ContactGroup {
   bool makeRow(const RigidBody& body, const Place& from, const Place& to, int point, RigidRow& row);
   void carryOver(const RigidBody& body, const Place& from, const Place& to, RigidRow& row);
   void letGo(int point);
-  void anchor();
 
   const ContactStep& step_;
   const RigidBodies* bodies_;

@@ -264,7 +264,7 @@ TEST_CASE("Forces of mixtures are their energy's slope, where cells hold the vol
   CHECK((energyAt(step) - energyAt(-step)) / (2 * step) == Approx(slope).epsilon(1e-5));
 }
 
-TEST_CASE("A stiff lump by an image is nearly as stiff as by a region, and its borders are an error to expect",
+TEST_CASE("Of a stiff lump by an image the error to expect has the borders that run through cells",
           "[simulation][mixtures][whole]") {
   Scene scene = test::blockScene(0.008);
   scene.materials[0].material = tissue(3000, 0.45);
@@ -294,6 +294,7 @@ TEST_CASE("A stiff lump by an image is nearly as stiff as by a region, and its b
   const StepReport by_image = press();
   std::printf("a lump by a region %.4f N (%.3f), by an image %.4f N (%.3f)\n", by_region.tool_force.z(),
               by_region.expected_error, by_image.tool_force.z(), by_image.expected_error);
-  CHECK(by_image.tool_force.z() == Approx(by_region.tool_force.z()).epsilon(0.12));
-  CHECK(by_image.expected_error > by_region.expected_error + 0.02);
+  const double off = by_image.tool_force.z() / by_region.tool_force.z() - 1;
+  CHECK(off > 0.1);  // the nodes are as far apart as the lump's radius
+  CHECK(by_image.expected_error == Approx(off).epsilon(0.5));
 }

@@ -161,30 +161,6 @@ TEST_CASE("Between two smooth plates a block is compressed as a bar", "[simulati
   CHECK(pressed.rigid[0].max_penetration < 2e-5);
 }
 
-TEST_CASE("Between plates that hold it by friction a block is as stiff as bonded to them",
-          "[simulation][rigid][whole]") {
-  Scene scene = test::blockScene(0.0065);
-  scene.organs[0].size = Vec3(0.04, 0.04, 0.03);
-  scene.materials[0].material.set("poisson", 0.49);
-  scene.tools[0].position = Vec3(0, 0, 0.2);
-  const double squeeze = 0.006;
-  BoundarySpec top = test::planeBoundary(Vec3(0, 0, 0.03));
-  top.translation = Vec3(0, 0, -squeeze);
-  top.duration = 1;
-  scene.boundaries.push_back(top);
-  const Model bonded_model = test::blockModel(scene);
-  const double bonded = Run(bonded_model).ticks(750).base_reaction.norm();
-  scene.boundaries.clear();
-  scene.rigid = {halfSpace(Vec3::Zero(), Vec3::UnitZ(), 1),
-                 moved(halfSpace(Vec3(0, 0, 0.03), -Vec3::UnitZ(), 1), -squeeze * Vec3::UnitZ())};
-  const Model model = test::blockModel(scene);
-  Run run(model);
-  const StepReport report = run.ticks(750);
-  std::printf("a block bonded to plates %.4f N, held by friction %.4f N\n", bonded, report.rigid[0].force.z());
-  CHECK(report.rigid[0].force.z() == Approx(bonded).epsilon(0.05));  // with friction at all points 13 % more
-  CHECK(run.speed().norm() < 1e-5);
-}
-
 TEST_CASE("A block on a slope sticks below the angle of friction without creeping, and slides above it",
           "[simulation][rigid][whole]") {
   const auto onSlope = [](double tangent, double friction) {
