@@ -77,7 +77,8 @@ Baseline::Baseline(const std::string& file, const std::string& blank_report)
     } catch (const Json::exception&) {  // a tolerance that is no number
     }
     if (!fine)
-      throw InputError(place, "\"" + key + "\" is neither a text nor a whole number nor a value with a tolerance",
+      throw InputError(place,
+                       "\"" + key + "\" is neither a text nor a whole number nor null nor a value with a tolerance",
                        R"(write e.g. "peak_force_N": {"value": 0.5, "rel": 0.01})");
     checkKey(place, key, wanted, report);
   }

@@ -67,10 +67,11 @@ RunExport::RunExport(std::string path, const Model& model) : path_(std::move(pat
   }
   const Box3 box = boundingBox(model.skin.surface);
   for (std::size_t r = 0; r < model.rigid.body.size(); ++r)
-    run_.bodies.push_back({model.rigid.body[r].name,
-                           surfaceOf(rigidMesh(model.scene.rigid[r], box.center(), 0.5 * box.diagonal().norm())),
-                           rigid_colour,
-                           {}});
+    if (!model.rigid.body[r].encloses)
+      run_.bodies.push_back({model.rigid.body[r].name,
+                             surfaceOf(rigidMesh(model.scene.rigid[r], box.center(), 0.5 * box.diagonal().norm())),
+                             rigid_colour,
+                             {}});
   // The first moment is rest, before any tick.
   run_.time_s = {0};
   run_.surface.frames.emplace_back();
@@ -88,7 +89,8 @@ void RunExport::addPoses(const Snapshot* snapshot) {
     drawn++->poses.push_back(bodyPose(body, posture));
   }
   const double time = snapshot != nullptr ? static_cast<double>(snapshot->tick) / model_.scene.dynamics.rate_hz : 0;
-  for (const RigidBody& body : model_.rigid.body) drawn++->poses.push_back(body.at(time));
+  for (const RigidBody& body : model_.rigid.body)
+    if (!body.encloses) drawn++->poses.push_back(body.at(time));
 }
 
 void RunExport::add(const Snapshot& snapshot) {

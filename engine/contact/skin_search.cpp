@@ -529,7 +529,7 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, Look& look, SkinC
                                 : stand.distance > way && (!is_before || (!was_inside && gap < 0));
     // Beyond an edge of another body it is as far from it as the edge is. (Above the face's plane there, up to `way`,
     // edges of stacked blocks trembled for ever.)
-    if (!same && look.isBeyond(stand, off)) {
+    if (!same && !(is_before && gap < 0) && look.isBeyond(stand, off)) {
       normal = off / stand.distance;
       gap = stand.distance;
     }

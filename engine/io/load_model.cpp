@@ -342,7 +342,7 @@ Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache
     options.keep = [&](const Preparation& preparation) { cache.keep(key, preparation); };
   }
   Model model = buildModel(scene, set_up.organ, options);
-  checkToolStarts(model);
+  if (givesTools(scene)) checkToolStarts(model);
   addToolPaths(model);
   model.setup_seconds = set_up.seconds();
   return model;
@@ -357,7 +357,7 @@ std::shared_ptr<PlaceSource> loadFollowing(const Scene& as_read, const Progress&
       set_up.scene, set_up.organ, [&](const std::string& what, double share) { report(what, 0.8 * share); }, store));
   report("first place", 0.8);
   const auto start = std::make_shared<Place>(makePlace(*places, startPlace(*places), store));
-  checkToolStarts(start->model);
+  if (givesTools(set_up.scene)) checkToolStarts(start->model);
   addToolPaths(start->model);
   start->model.setup_seconds = set_up.seconds();
   report("ready", 1);

@@ -12,9 +12,9 @@ namespace palpate {
 /// A material of which the background cells, each of the material at its middle, see little: a layer thinner than they
 /// are. Where tissue deforms smoothly in spite of it, nothing else tells (a soft base of 2 mm under nodes 7 mm apart:
 /// force a fifth too large, 2 % expected).
-/// And so does a material with a membership whose borders run through cells: these have the mean of the moduli, that of
-/// tissues side by side, which is stiffer than of one upon the other (a column of 20 kPa with a layer of 2 kPa and 10
-/// mm, nodes 5 mm apart: 23 % too stiff, 0.6 % expected).
+/// And so does a material with a membership whose borders run through cells: these have the geometric mean of the
+/// moduli, which is stiffer than tissue upon the other (a column of 20 kPa with a layer of 2 kPa and 10 mm, nodes 5 mm
+/// apart, was 23 % too stiff by the arithmetic one).
 struct ThinLayer {
   int material = -1;  // index into the scene's, where it should be told of; -1: there is none
   // To expect of forces: half of the share of its volume that cells have for other materials, as far as these are as

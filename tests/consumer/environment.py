@@ -405,6 +405,10 @@ for step in range(3):
     _, _, terminated, _, info = steps.step(down)
     last = alone.step(down[0])
     assert np.array_equal(info["state"]["pose"][0], last[4]["state"].pose) and terminated[0] == last[2] == (step == 2)
+steps.step(down)  # both have ended, and begin anew
+steps.envs[1].terminated = lambda state: False
+for step in range(4):  # one ends, the other goes on
+    steps.step(down)
 steps.close()
 alone.close()
 Steps.step = lambda self, action: None

@@ -90,7 +90,8 @@ void CoupledTool::moveJaws(bool closes, double present) {
   if (opening_ < 0 && !closes) return;
   if (opening_ < 0) opening_ = present;
   const double way = jaw_speed * tick_s_;
-  opening_ = closes ? std::max(0.0, opening_ - way) : std::min(widest_, std::max(opening_, present) + way);
+  opening_ =
+      closes ? std::max(0.0, opening_ - way) : std::min(std::max(widest_, opening_), std::max(opening_, present) + way);
 }
 
 void CoupledTool::remember(const State& state, const StepReport& last) {

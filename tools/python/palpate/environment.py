@@ -198,6 +198,9 @@ class Environment(Env):
         self.start[:2] += self.np_random.uniform(-self.scatter, self.scatter, 2)
         return self.start
 
+    def _pose_of(self, action):
+        return _poses(np.asarray(self.pose(action), dtype=object)[None], self.start[None])[0]
+
     def _outcome(self, state):
         return self.observe(state), float(self.reward(state)), bool(self.terminated(state)), state.time >= self.seconds
 
@@ -210,8 +213,7 @@ class Environment(Env):
     def step(self, action):
         if self.start is None:
             raise Error(REFUSED, "reset() the environment before its first step")
-        pose = _poses(np.asarray(self.pose(action), dtype=object)[None], self.start[None])[0]
-        state = self.simulation.step(pose, self.ticks)
+        state = self.simulation.step(self._pose_of(action), self.ticks)
         return (*self._outcome(state), {"state": state})
 
     def render(self):
@@ -248,6 +250,8 @@ class VectorEnv(_VectorEnv):
         model = scene if isinstance(scene, Model) else Model(scene, threads=1, **of_model)
         self.envs = [environment(model, **options) for _ in range(num_envs)]
         first = self.envs[0]
+        if not all(isinstance(space, Box) for space in (first.action_space, first.observation_space)):
+            raise TypeError("a VectorEnv puts arrays together: the spaces of its environments are Boxes")
         own = [name for name in ("reset", "step") if getattr(type(first), name) is not getattr(Environment, name)]
         if own:
             raise TypeError(f"a VectorEnv does not call {type(first).__name__}.{own[0]}: override pose, observe, reward "
@@ -295,7 +299,7 @@ class VectorEnv(_VectorEnv):
         if type(self.envs[0]).pose is not Environment.pose:
             if len(actions) != self.num_envs:
                 raise ValueError(f"{len(actions)} actions for {self.num_envs} environments")
-            actions = [start if ended else env.pose(action)
+            actions = [start if ended else env._pose_of(action)
                        for env, action, start, ended in zip(self.envs, actions, starts, self._ended)]
         poses = _poses(actions, starts)
         for k in np.flatnonzero(self._ended):
