@@ -157,13 +157,6 @@ class Look {
     return x;
   }
 
-  /// Whether what is `off` (m) its place on a face is not straight before or behind that.
-  bool isBeyond(const Stand& stand, const Vec3& off) {
-    if (stand.barycentric.minCoeff() > 0) return false;
-    const Vec3 own = unit(areaOf(stand.face));
-    return (off - own.dot(off) * own).norm() > same_distance;
-  }
-
   const std::array<int, 3>& corners(int face) const { return skin_.surface.triangles[face]; }
 
   /// Twice its area along its normal, m^2.
@@ -516,9 +509,8 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, Look& look, SkinC
     const bool was_inside = state.clearance[k] == inside;
     const Stand stand = look.follow(v, state.face[k], touches(state, k));
     state.face[k] = stand.face;
-    Vec3 normal = look.normalOf(stand);
-    const Vec3 off = look.at(v) - look.pointOf(stand);
-    double gap = normal.dot(off);
+    const Vec3 normal = look.normalOf(stand);
+    const double gap = normal.dot(look.at(v) - look.pointOf(stand));
     // Beyond an edge, or behind a face through which it did not come.
     const bool same = bodies.body[v] == bodies.body[look.corners(stand.face)[0]];
     const bool is_before = std::abs(gap) >= before_face * stand.distance;
@@ -527,12 +519,6 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, Look& look, SkinC
                                       gap < -(has_touched ? deepest_hold * bodies.spacing : least_way) ||
                                       (!has_touched && normal.dot(look.normalAt(v)) >= 0)
                                 : stand.distance > way && (!is_before || (!was_inside && gap < 0));
-    // Beyond an edge of another body it is as far from it as the edge is. (Above the face's plane there, up to `way`,
-    // edges of stacked blocks trembled for ever.)
-    if (!same && !(is_before && gap < 0) && look.isBeyond(stand, off)) {
-      normal = off / stand.distance;
-      gap = stand.distance;
-    }
     const bool is_inside = gap <= 0 && !is_beside;
     state.clearance[k] = is_inside ? inside : static_cast<float>(stand.distance);
     const bool may_touch = (same || bodies.area[v] > 0) && !is_beside &&

@@ -61,9 +61,7 @@ jaws = open(os.path.join(scenes, "strip_grasp.toml")).read().replace("script:mot
 open("jaws.toml", "w").write(jaws + """
 [[rigid]]
 name = "shelf"
-shape = "box"
-size = [0.01, 0.01, 0.01]
-centre = [0.05, 0, 0]
+region = { shape = "box", min = [0.045, -0.005, -0.005], max = [0.055, 0.005, 0.005] }
 """)
 run("--seconds", "0.8", "--export", "jaws.gltf", "--out", "jaws", scene="jaws.toml")
 file = json.load(open("jaws.gltf"))

@@ -234,33 +234,6 @@ TEST_CASE("Two stiff blocks that slide on each other's faces stay where they cam
   CHECK(fastest < 0.01);  // with pairs of a tick ago 2 m/s, and more and more
 }
 
-TEST_CASE("Blocks of one size that lie on one another come to rest, edge on edge",
-          "[simulation][skin_contact][whole]") {
-  Scene scene = test::blockScene(0.006);
-  scene.boundaries.clear();
-  scene.materials[0].material.set("poisson", 0.45);
-  scene.dynamics.gravity = Vec3(0, 0, -9.81);
-  scene.organs[0].size = Vec3(0.04, 0.04, 0.015);
-  scene.organs[0].friction = 0.5;
-  for (int k = 1; k < 3; ++k) {
-    scene.organs.push_back(scene.organs[0]);
-    scene.organs.back().position = Vec3(0, 0, 0.0151 * k);
-  }
-  RigidSpec table;
-  table.name = "table";
-  table.region.normal = Vec3::UnitZ();
-  table.friction = 0.5;
-  scene.rigid = {table};
-  scene.tools[0].position = Vec3(0, 0, 0.3);
-  const Model model = modelOf(scene);
-  State state = initialState(model);
-  run(model, state, 800, 2);
-  double fastest = 0;  // m/s
-  for (const Float4& du : state.du) fastest = std::max(fastest, toVec3(du).norm() / model.dt);
-  std::printf("three blocks on one another: %.2g m/s\n", fastest);
-  CHECK(fastest < 1e-3);  // 0.002 to 0.026 for ever
-}
-
 TEST_CASE("Two balls meet as Hertz says", "[simulation][skin_contact][whole]") {
   constexpr double R = 0.03, gap = 5e-4, closing = 1e-3;
   Scene scene = test::blockScene(0.006);

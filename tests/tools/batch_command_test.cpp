@@ -156,7 +156,7 @@ TEST_CASE("Shards on many machines make the whole, and a merge refuses what is m
   CHECK_THAT(refused({folder.path("a")}), Contains("no folder has a result of \"soft\""));
   CHECK_THAT(refused({folder.path("a"), folder.path("b"), folder.path("a")}),
              Contains("results.jsonl:1") && Contains("second result of \"plain\""));
-  folder.write("jobs.jsonl", replaced(folder.read("jobs.jsonl"), "1500", "1501"));
+  folder.write("jobs.jsonl", replaced(folder.read("jobs.jsonl"), "young\": 1500", "young\": 1501"));
   CHECK_THAT(refused({folder.path("a"), folder.path("b")}), Contains("\"soft\" is of no job"));
   CHECK_FALSE(std::filesystem::exists(folder.path("refused")));
   CHECK_THAT(refusal([&] { folder.runBatch("x", 1, "3/2"); }), Contains("K/N"));

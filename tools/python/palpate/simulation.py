@@ -6,7 +6,7 @@ import os
 import numpy as np
 
 from ._library import (BAD_ARGUMENT, FAILED, OK, Coupling, Error, SkinPlace, State, ToolState, Wrench, _call,
-                       _Coupling, _Device, _DevicePose, _Error, _fits, _Int64, _Parameter, _SkinPlace, _State,
+                       _Coupling, _Device, _DevicePose, _Error, _fits, _Int64, _Parameter, _Sized, _SkinPlace, _State,
                        _TickCall, _ToolState, _UInt32, _Wrench, find_library, library)
 from .model import Model, _doubles, _numbers, _pose
 
