@@ -393,7 +393,7 @@ class Steps(palpate.Environment):  # relative ways down, pictures to look at, an
         return np.full((2, 3), min(1, state.depth > 0), np.float32)
 
     def terminated(self, state):
-        return state.time > 0.02
+        return state.time > 0.025
 
 
 steps = palpate.VectorEnv(block, 2, ticks=4, environment=Steps)
