@@ -166,7 +166,7 @@ void writeLumps(Page& page, const SheetHead& head, const TaskScore& score, const
   const bool good = sheet.trust == doubtName(Doubt::None);
   std::string text = "Conditions: " + head.conditions.text() + ".";
   if (!good)
-    text += format(" The forces are doubted (%s): they may be off by %.0f %% or more.", sheet.trust.c_str(),
+    text += format(" The forces are doubted (%s), and expected to be off by %.0f %%, if not more.", sheet.trust.c_str(),
                    100 * sheet.expected_error);
   page.writeWrapped(y + 8, text, 17, good && head.conditions.asTheSceneHasThem() ? paper::faint : false_colour);
 }

@@ -73,8 +73,8 @@ int mixedMaterial(const Scene& scene) {
 }
 
 double mixedModulus(const Scene& scene, double first, double second, double share) {
-  return scene.discretization.formulation.sharp_interfaces ? first * std::pow(second / first, share)
-                                                           : (1 - share) * first + share * second;
+  return scene.discretization.formulation == Formulation::paper() ? (1 - share) * first + share * second
+                                                                  : first * std::pow(second / first, share);
 }
 
 double ownBulk(const Scene& scene) {

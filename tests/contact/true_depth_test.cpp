@@ -7,6 +7,7 @@
 #include "contact/contact.h"
 #include "contact/tools/tool_list.h"
 #include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -109,6 +110,19 @@ TEST_CASE("A flat end is as deep as its face, however much more one side of its 
   }
   // The force leans by 8 degrees: along it the rim is 1.1 mm ahead.
   CHECK(TrueDepth(at.skin, at.tool).of(at.pose, contact) == Approx(0.004).epsilon(0.01));
+}
+
+TEST_CASE("A ball that just touches skin that leans there is not in it", "[true_depth]") {
+  PlaneAndTool at(ToolShape::of(ToolKind::Sphere, 0.008), 0);
+  for (Vec3& X : at.skin.surface.vertices) X.z() = -0.25 * X.x();  // by 14 degrees
+  const int v = 20 * 41 + 25;
+  at.pose.position = at.skin.surface.vertices[v];
+  ContactState contact;
+  contact.vertex = {v};
+  contact.normal = {-Vec3f::UnitZ()};
+  contact.force = {toFloat4(-0.001 * Vec3::UnitZ())};
+  contact.count = 1;
+  CHECK(TrueDepth(at.skin, at.tool).of(at.pose, contact) < 1e-9);  // along the skin's normal 0.24 mm
 }
 
 TEST_CASE("A ball that goes straight in is as deep as it has come past the touch, and the gap ends there",

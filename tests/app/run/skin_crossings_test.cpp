@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "io/load_model.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -32,4 +33,23 @@ TEST_CASE("Skin crosses itself where one side is pushed through the other, and n
   const int through = moveUp([&](const Vec3& X) { return 1.5 * (top - X.z()) * (X.head<2>().norm() < 0.012); });
   CHECK(through > 0);
   CHECK(moveUp([&](const Vec3& X) { return -1.5 * X.z() * (X.head<2>().norm() < 0.012); }) > 0);
+}
+
+TEST_CASE("Two organs cross where one is deeper in the other than contact may leave it", "[skin_crossings]") {
+  Scene scene = test::blockScene(0.01);
+  scene.organs[0].size = Vec3::Constant(0.03);
+  scene.organs.push_back(scene.organs[0]);
+  constexpr double gap = 0.001;  // m
+  scene.organs[1].position = Vec3(0.004, 0.003, 0.03 + gap);
+  const Model model = buildModel(scene, organSurface(scene));
+  SkinCrossings crossings(model.skin);
+  const auto lowered = [&](double by) {
+    AlignedVector<Float4> u = initialState(model).u;
+    for (std::size_t i = 0; i < model.X.size(); ++i)
+      if (model.X[i].z() > 0.03 + gap / 2) u[i].z = static_cast<float>(-by);
+    return crossings.count(u.data());
+  };
+  CHECK(lowered(0) == 0);
+  CHECK(lowered(gap + 5e-5) == 0);
+  CHECK(lowered(gap + 5e-4) > 0);
 }
