@@ -191,7 +191,8 @@ Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir, std
       ground_shade(shader_dir),
       overlays(model, shader_dir) {
   for (std::size_t t = 1; t < model.tools.tool.size(); ++t)
-    further_buffers.push_back(std::make_unique<MeshBuffers>(toolMesh(model.tools.tool[t].shape)));
+    further_buffers.push_back(
+        std::make_unique<MeshBuffers>(toolMesh(model.tools.tool[t].shape, !model.tools.tool[t].path.empty())));
   addRigidBodies();
   fillColours(sequential_colours, ColourMap::Displacement);
   fillColours(diverging_colours, ColourMap::J);

@@ -79,15 +79,16 @@ void addTurned(SolidMesh& mesh, const std::vector<ProfilePoint>& profile, Finish
     }
 }
 
-SolidMesh toolMesh(const ToolShape& shape) {
+SolidMesh toolMesh(const ToolShape& shape, bool has_handle) {
   SolidMesh mesh;
   const ToolProfile profile = toolProfile(shape);
   std::vector<ProfilePoint> body;
   for (const MeridianPoint& p : outline(profile)) body.emplace_back(static_cast<float>(p.r), static_cast<float>(p.z));
   addTurned(mesh, body, Finish::Steel);
+  if (!has_handle) return mesh;
   const float R = static_cast<float>(shape.radius), L = static_cast<float>(profile.length);
   const float handle = handleBegin(shape), neck = static_cast<float>(toolType(shape.kind).neck_radius) * R;
-  addRod(mesh, L - neck_begin * R, handle + 0.1F * R, neck, 0.02F * R, Finish::Steel);
+  addRod(mesh, std::max(L - neck_begin * R, 0.5F * L), handle + 0.1F * R, neck, 0.02F * R, Finish::Steel);
   addRod(mesh, handle, handle + collar_length * R, collar_radius * R, 0.12F * R, Finish::Collar);
   addGrip(mesh, handle + 0.9F * collar_length * R, toolHandleEnd(shape), grip_radius * R);
   return mesh;

@@ -33,7 +33,8 @@ void addTurned(SolidMesh& mesh, const std::vector<ProfilePoint>& profile, Finish
 
 /// The tool in its own frame (contact/tool.h): its outline turned, which comes first in the mesh, and a handle beyond
 /// the part that can touch.
-SolidMesh toolMesh(const ToolShape& shape);
+/// @param has_handle  a tool that only stands there has none
+SolidMesh toolMesh(const ToolShape& shape, bool has_handle = true);
 
 /// Where the tool's handle ends, m along its axis from the tip.
 float toolHandleEnd(const ToolShape& shape);

@@ -62,8 +62,10 @@ RunExport::RunExport(std::string path, const Model& model) : path_(std::move(pat
     for (const char* axis : {"_x", "_y", "_z"}) run_.curves.push_back({body.name + "_force_N" + axis, {}});
   for (const ToolBody& body : model.tools.body) {
     const char* finger = body.side > 0 ? ", right finger" : body.side < 0 ? ", left finger" : "";
-    run_.bodies.push_back(
-        {"tool " + std::to_string(body.tool + 1) + finger, surfaceOf(toolMesh(body.shape)), tool_colour, {}});
+    run_.bodies.push_back({"tool " + std::to_string(body.tool + 1) + finger,
+                           surfaceOf(toolMesh(body.shape, body.tool == 0 || !model.tools.tool[body.tool].path.empty())),
+                           tool_colour,
+                           {}});
   }
   const Box3 box = boundingBox(model.skin.surface);
   for (std::size_t r = 0; r < model.rigid.body.size(); ++r)
