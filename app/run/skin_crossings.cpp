@@ -13,14 +13,19 @@ double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { retu
 /// m, from a plane, within which what lies on which side is a matter of rounding; of two organs the contact's.
 constexpr double in_plane = 1e-7, in_contact = 1e-4;
 
-/// The segment p q goes through the triangle's inside.
-/// @param within  m
+/// The segment p q goes through the triangle's inside, further than `within` (m) from its edges, with both ends further
+/// than that from its plane.
 bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c, double within) {
   const Vec3 normal = (b - a).cross(c - a);
   const double from = normal.dot(p - a), to = normal.dot(q - a), least = within * normal.norm();
   if (std::min(from, to) >= -least || std::max(from, to) <= least) return false;
-  const double ab = volume(p, q, a, b), bc = volume(p, q, b, c), ca = volume(p, q, c, a);
-  return (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
+  int side = 0;
+  const auto passes = [&](const Vec3& x, const Vec3& y) {
+    const double v = volume(p, q, x, y);
+    side += v > 0 ? 1 : -1;
+    return std::abs(v) > within * (q - p).cross(y - x).norm();
+  };
+  return passes(a, b) && passes(b, c) && passes(c, a) && std::abs(side) == 3;
 }
 
 }  // namespace

@@ -19,8 +19,7 @@ class SkinCrossings {
 
   /// @param u  (node_count) m
   /// @return pairs of triangles without a common vertex of which an edge of one goes through the other, by more than
-  /// 1e-7 m to both sides: faces of one plane do not cross; faces of two organs by more than 0.1 mm, which their
-  /// contact may leave
+  /// 1e-7 m: faces of one plane do not cross; of two organs by more than 0.1 mm, which their contact may leave
   int count(const Float4* u);
 
  private:

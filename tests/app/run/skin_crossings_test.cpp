@@ -41,6 +41,7 @@ TEST_CASE("Two organs cross where one is deeper in the other than contact may le
   scene.organs.push_back(scene.organs[0]);
   constexpr double gap = 0.001;  // m
   scene.organs[1].position = Vec3(0.004, 0.003, 0.03 + gap);
+  scene.tools[0].position = Vec3(0, 0, 0.2);
   const Model model = buildModel(scene, organSurface(scene));
   SkinCrossings crossings(model.skin);
   const auto lowered = [&](double by) {
