@@ -164,7 +164,8 @@ int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_poi
     for (const Float4& a : state.u) u.push_back(toVec3(a));
     const PointHistory history = pointHistory(model.kernel, state.relaxation, model.pointCount(), model.dt);
     std::vector<Mat3> F;
-    const std::vector<Mat3> P = pointStresses(model, u, F, history, &state.live.kernel);
+    const std::vector<Mat3> P =
+        pointStresses(model, u, F, history, simulation->physics.holdingFriction(), &state.live.kernel);
     for (std::size_t k = 0; k < points->X.size(); ++k) {
       const auto q = static_cast<std::size_t>(rows->nearest[k]);
       const double volume_ratio = F[q].determinant();

@@ -38,6 +38,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       boundary_scratch_(makeBoundaryScratch(boundary_)),
       load_scratch_(model.surface_loads),
       tools_(model),
+      holding_friction_(model),
       skins_(makeSkinContactState(model.bodies)),
       skins_scratch_(model.bodies, model.skin),
       rigid_(makeRigidState(model.rigid, model.nodeCount())),
@@ -95,6 +96,12 @@ ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Do
   sumForces(kernel_, kernel_scratch_, 0, model_.nodeCount(), force.data());
   if (layer_) layer_->addForces(at, force);
   return report;
+}
+
+void BatchBody::findFriction() {
+  std::array<double, max_tools> of_tools{};
+  for (std::size_t t = 0; t < model_.tools.tool.size(); ++t) of_tools[t] = model_.tools.tool[t].friction;
+  holding_friction_.find(model_, tools_.contacts(), of_tools, rigid_, kernel_scratch_.cell_volume.friction);
 }
 
 void BatchBody::contact(double alpha, double time, Report& report) {
@@ -176,6 +183,7 @@ void BatchBody::addLoads(double alpha, double time) {
 BatchBody::Report BatchBody::advance(double alpha, double beta, double time, const double* own_beta) {
   Report report;
   alpha_ = alpha;
+  findFriction();
   const ForceReport forces_report = forces(u, f, history_step_ > 0 ? &history_ : nullptr);
   report.min_J = forces_report.min_J;
   report.worst_point = forces_report.worst_point;

@@ -7,6 +7,7 @@
 #include "mechanics/internal_forces.h"
 #include "model/model.h"
 #include "model/report.h"
+#include "step/holding_friction.h"
 
 namespace palpate {
 
@@ -54,6 +55,8 @@ class BatchBody {
   void keepHistory(double h);
   const AlignedVector<double>& history() const { return history_.Z; }
   PointHistory pointHistory() const;
+  /// Of the last step (HoldingFriction).
+  const AlignedVector<float>& holdingFriction() const { return kernel_scratch_.cell_volume.friction; }
 
   /// Goes on from a saved state. @param history  of history(); empty: nothing has been before
   void restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
@@ -95,6 +98,7 @@ class BatchBody {
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force,
                      RelaxationHistoryOf<double>* history);
   bool hasContact() const;
+  void findFriction();
   void contact(double alpha, double time, Report& report);
   void addLoads(double alpha, double time);
   Doubt doubt(const ForceReport& forces, const Report& report) const;
@@ -113,6 +117,7 @@ class BatchBody {
   double alpha_ = 1;  // of the last step, s^2
   SurfaceLoadScratchOf<double> load_scratch_;
   BatchTools tools_;
+  HoldingFriction holding_friction_;
   SkinContactState skins_;
   SkinContactScratch skins_scratch_;
   RigidState rigid_;

@@ -14,6 +14,10 @@ inline constexpr double pressure_limit = 1.5;
 /// Share of its limit from which on a node's pressure counts.
 inline constexpr double pressed_from = 0.8;
 
+/// Friction over shear modulus that holds a node of the skin. (Blocks between plates, nu 0.49, coefficients of 0.3 to
+/// 1: from 0.05 to 0.2 forces are alike to 0.2 %; 0.5 and more leave them too stiff, and trembling.)
+inline constexpr double holding_friction = 0.1;
+
 /// h of a pressure K theta, which is negative where the tissue is pressed.
 template <class Real>
 Real boundedEnergy(Real pressure, Real limit, Real bulk) {
@@ -31,6 +35,14 @@ Real pressedShare(Real pressure, Real limit) {
   constexpr Real from = static_cast<Real>(pressed_from);
   if (!(-pressure > from * limit)) return 0;
   return -pressure < limit ? (-pressure / limit - from) / (1 - from) : 1;
+}
+
+/// Which share of a node's pressure friction leaves to its cells.
+/// @param friction  Pa, that holds the node
+template <class Real>
+Real looseShare(Real friction, Real shear) {
+  constexpr Real holds = static_cast<Real>(holding_friction);
+  return friction < holds * shear ? 1 - friction / (holds * shear) : Real(0);
 }
 
 }  // namespace palpate

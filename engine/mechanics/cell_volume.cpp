@@ -155,11 +155,13 @@ struct CellPasses {
     Real least = 0;
     for (int e = patches.begin[a]; e < patches.begin[a + 1]; ++e)
       least = std::min(least, patches.dilatation[patches.point[e]]);
-    s.weight[a] = pressedShare(patches.bulk[a] * least, limit);
+    const Real loose = looseShare(static_cast<Real>(s.friction[a]), patches.shear[a]);
+    s.weight[a] = loose * pressedShare(patches.bulk[a] * least, limit);
     if (s.weight[a] == 0) return;
-    patches.pressure[a] = bounded(p, limit);
-    s.energy[part] += cells.patch_volume[a] *
-                      (boundedEnergy(p, limit, patches.bulk[a]) - patches.pressure[a] * p / (2 * patches.bulk[a]));
+    const Real kept = bounded(p, limit);
+    patches.pressure[a] = p + loose * (kept - p);
+    s.energy[part] +=
+        loose * cells.patch_volume[a] * (boundedEnergy(p, limit, patches.bulk[a]) - kept * p / (2 * patches.bulk[a]));
     markCells(a, s.looked);
   }
 

@@ -193,6 +193,7 @@ CellVolumeScratchOf<Real> makeCellVolumeScratch(const CellVolumeOf<Real>& cells,
     selection->group.resize(groups);
   }
   scratch.touched.resize(static_cast<std::size_t>(cells.nodeCount()));
+  scratch.friction.resize(vertices);
   scratch.weight.resize(vertices);
   scratch.field.resize(vertices);
   scratch.volume_change.resize(4 * blocks);
@@ -216,7 +217,7 @@ std::vector<double> patchShear(const NodePatches& patches, const std::vector<int
 
 CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::vector<double>& volume,
                                         const std::vector<double>& J_minus_1, const std::vector<double>& shear,
-                                        const std::vector<Vec3>& u) {
+                                        const std::vector<Vec3>& u, const AlignedVector<float>& friction) {
   const auto cells = orderedCells(spec);
   const std::size_t vertices = spec.X.size();
   const auto& K = spec.patches.bulk_modulus;
@@ -249,10 +250,14 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
   for (std::size_t a = 0; a < vertices; ++a) {
     if (K[a] == 0) continue;
     const double limit = over_shear[a] * shear[a], p = cell_volume[a] > 0 ? K[a] * change[a] / cell_volume[a] : 0;
-    result.patch_pressure[a] = bounded(K[a] * theta[a], limit);
+    const double loose = friction.empty() ? 1 : looseShare(static_cast<double>(friction[a]), shear[a]);
+    const double free = K[a] * theta[a];
+    weight[a] *= loose;
+    result.patch_pressure[a] = free + loose * (bounded(free, limit) - free);
     result.cell_pressure[a] = weight[a] * (p - bounded(p, limit));
-    result.energy += spec.patches.volume[a] * boundedEnergy(K[a] * theta[a], limit, K[a]) +
-                     cell_volume[a] * weight[a] * (p * p / (2 * K[a]) - boundedEnergy(p, limit, K[a]));
+    result.energy +=
+        spec.patches.volume[a] * (loose * boundedEnergy(free, limit, K[a]) + (1 - loose) * free * free / (2 * K[a])) +
+        cell_volume[a] * weight[a] * (p * p / (2 * K[a]) - boundedEnergy(p, limit, K[a]));
   }
   for (const auto& cell : cells) {
     const auto share = shares(cell);

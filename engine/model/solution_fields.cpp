@@ -22,7 +22,8 @@ void relax(const Material& material, const PointHistory& history, int q, const M
 }  // namespace
 
 std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, std::vector<Mat3>& F,
-                                const PointHistory& history, const KernelMaterials* in_force) {
+                                const PointHistory& history, const AlignedVector<float>& friction,
+                                const KernelMaterials* in_force) {
   const std::vector<Material>& materials = in_force == nullptr ? model.materials : in_force->materials;
   const int points = model.pointCount();
   F.resize(points);
@@ -39,7 +40,7 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
     const CellVolumeSpec spec = model.cellVolume();
     const auto shear = patchShear(patches, model.point_material, materials);
     auto of_node = referenceCellVolume({spec.X, spec.cells, spec.node_count, spec.vertex_shape, patches, spec.imposed},
-                                       model.point_volume, pressure, shear, u);
+                                       model.point_volume, pressure, shear, u, friction);
     for (std::size_t a = 0; a < of_node.patch_pressure.size(); ++a)
       of_node.patch_pressure[a] += of_node.cell_pressure[a];
     pressure = pointPressure(patches, of_node.patch_pressure);
@@ -58,13 +59,14 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
   return P;
 }
 
-SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u, const PointHistory& history) {
+SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u, const PointHistory& history,
+                              const AlignedVector<float>& friction) {
   SolutionFields fields;
   for (std::size_t i = 0; i < model.X.size(); ++i)
     fields.displacement.push_back(fieldAt(model.node_shape, i, [&](int j) -> const Vec3& { return u[j]; }));
 
   std::vector<Mat3> F;
-  const auto P = pointStresses(model, u, F, history);
+  const auto P = pointStresses(model, u, F, history, friction);
   std::vector<double> volume(model.cells.size(), 0);
   fields.J.assign(model.cells.size(), 0);
   fields.pressure = fields.von_mises = fields.J;

@@ -20,6 +20,8 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   const double time = static_cast<double>(state.step + 1) * model.dt;
   StepOutcome outcome;
 
+  findHoldingFriction(model, state, workspace);
+
   // f = -F_int(u)                                                         (eq. 31)
   outcome.forces = internalForces(model.kernel, state.live.kernel, state.u.data(), workspace.kernel, workspace.team,
                                   &state.relaxation, model.dt);

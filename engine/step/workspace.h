@@ -10,6 +10,7 @@
 #include "base/types.h"
 #include "model/model.h"
 #include "step/apply_loads.h"
+#include "step/holding_friction.h"
 #include "step/limit_compression.h"
 #include "step/resolution.h"
 
@@ -77,6 +78,7 @@ class Workspace {
         previous_du(model.X.size()),
         local_mass(model.X.size(), model.kernel, model.stiffness_means),
         compression(model),
+        holding_friction(model),
         resolution(model),
         tissue_mass(tissueMass(model)),
         surface_loads(model.surface_loads) {}
@@ -91,11 +93,18 @@ class Workspace {
   AlignedVector<Float4> previous_du;  // (node_count) increments of the step before, m
   LocalMassScratch local_mass;
   CompressionLimit compression;
+  HoldingFriction holding_friction;
   ResolutionWatch resolution;
   RigidDepth depth;
   const AlignedVector<float> tissue_mass;  // (node_count) kg, that live loads accelerate
   SurfaceLoadScratch surface_loads;
   VertexValues pin_force;  // N, of LiveLoads::pins on the tissue in the last step
 };
+
+/// For internalForces: by what a state's contacts hold. Real-time.
+inline void findHoldingFriction(const Model& model, const State& state, Workspace& workspace) {
+  workspace.holding_friction.find(model, state.contact, state.live.friction, state.rigid,
+                                  workspace.kernel.cell_volume.friction);
+}
 
 }  // namespace palpate

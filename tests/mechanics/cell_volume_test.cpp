@@ -17,6 +17,7 @@ struct PressedBody : TestBody {
   ShapeTable node_shape;
   NodePatches node_patches;
   std::vector<std::uint8_t> imposed;
+  AlignedVector<float> friction;  // (node_count) Pa
 
   explicit PressedBody(int nodes_per_edge, const Material& material = Material::neoHookean(3000, 0.49, 1000),
                        bool two_materials = false)
@@ -30,6 +31,7 @@ struct PressedBody : TestBody {
     REQUIRE(failed.empty());
     node_patches = patches();
     imposed.assign(X.size(), 0);
+    friction.assign(X.size(), 0);
   }
   CellVolumeSpec spec() const { return {X, cells, nodeCount(), node_shape, node_patches, imposed}; }
   /// Its nodes at this x are held.
@@ -80,6 +82,13 @@ struct PressedBody : TestBody {
     return result;
   }
 
+  /// Friction holds its nodes from this x on, but the first of them half.
+  void holdByFriction(double x) {
+    const double holds = holding_friction * materials[0].shear_modulus;
+    for (std::size_t a = 0; a < X.size(); ++a)
+      if (X[a].x() > x - 1e-9) friction[a] = static_cast<float>(X[a].x() < x + 1e-9 ? 0.5 * holds : 2 * holds);
+  }
+
   /// A body pressed along x, the more the further: `most` at its end.
   std::vector<Vec3> pressedAtOneEnd(double most) const {
     std::vector<Vec3> u;
@@ -107,6 +116,7 @@ Evaluated<Real> evaluate(const PressedBody& body, const std::vector<Vec3>& u, bo
                                        body.nodeCount(), body.node_patches);
   if (cells) layout.cell_volume = makeCellVolume<Real>(body.spec());
   auto scratch = makeKernelScratch(layout);
+  if (cells) scratch.cell_volume.friction = body.friction;
   SpinTeam team(threads);
   AlignedVector<Real4<Real>> u4, f(body.X.size());
   for (const auto& a : u) u4.push_back(toReal4<Real>(a));
@@ -122,7 +132,7 @@ CellVolumeReference reference(const PressedBody& body, const std::vector<Vec3>& 
   for (int q = 0; q < body.shape.rowCount(); ++q)
     change.push_back(deformationGradient(body.shape, q, u).determinant() - 1);
   return referenceCellVolume(body.spec(), body.volume, change,
-                             patchShear(body.node_patches, body.point_material, body.materials), u);
+                             patchShear(body.node_patches, body.point_material, body.materials), u, body.friction);
 }
 
 /// w_a of the nodes.
@@ -177,9 +187,10 @@ TEST_CASE("Inner displacements change the volume of the points to second order, 
 }
 
 TEST_CASE("Forces of patches and cells are minus the derivative of their energy", "[cell_volume]") {
-  for (const bool two_materials : {false, true}) {
+  for (const auto& [two_materials, rubs] : {std::pair(false, false), {true, false}, {false, true}}) {
     PressedBody body(4, Material::neoHookean(3000, 0.49, 1000), two_materials);
     if (two_materials) body.hold(0.1);
+    if (rubs) body.holdByFriction(0.1);
     const auto shear = patchShear(body.node_patches, body.point_material, body.materials);
     int checked = 0;
     for (const double most : {0.3, 0.4, 0.5, 0.6, 0.7}) {
@@ -214,7 +225,10 @@ TEST_CASE("The fast passes equal the plain formulas, the same bits for any numbe
           "[cell_volume][determinism]") {
   for (const bool two_materials : {false, true}) {
     PressedBody body(6, Material::neoHookean(3000, 0.49, 1000), two_materials);
-    if (two_materials) body.hold(0.1);
+    if (two_materials)
+      body.hold(0.1);
+    else
+      body.holdByFriction(0.08);
     const Mat3 turn = Eigen::AngleAxisd(M_PI / 2, Vec3(0, 0.6, 0.8)).toRotationMatrix();
     auto turned = body.pressedAtOneEnd(0.5);
     for (std::size_t i = 0; i < turned.size(); ++i) turned[i] = turn * (body.X[i] + turned[i]) - body.X[i];

@@ -80,6 +80,7 @@ std::optional<PlaceIndex> TissuePhysics::goTo(PlaceChange& change, double most_r
   // What is hardly squeezed is hardly bent between the nodes.
   if (std::isfinite(most_rise) && state_.local_mass.active) {
     const auto strainEnergy = [&](ReadyPlace& at, const State& state) {
+      findHoldingFriction(at.place.model, there, at.workspace);
       return internalForces(at.place.model.kernel, state.live.kernel, state.u.data(), at.workspace.kernel, *team_)
           .strain_energy;
     };

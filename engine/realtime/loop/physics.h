@@ -100,6 +100,11 @@ class TissuePhysics final : public Physics {
   /// Of each boundary on the tissue in the last step; 0 before the first, and after reset, restore and putIn.
   const std::vector<Reaction>& reactions() const { return workspace_->boundary.reaction; }
   Vec3 pinForce(int vertex) const { return workspace_->pin_force.at(vertex); }  // N, likewise
+  /// Of the present state (HoldingFriction), for its fields.
+  const AlignedVector<float>& holdingFriction() const {
+    findHoldingFriction(*model_, state_, *workspace_);
+    return workspace_->kernel.cell_volume.friction;
+  }
 
  private:
   void prepare();

@@ -264,7 +264,7 @@ void SolveResults::addFrame(double time, const BatchBody& body) {
   std::vector<Vec3> u;
   u.reserve(body.u.size());
   for (const auto& a : body.u) u.push_back(toVec3(a));
-  const SolutionFields fields = solutionFields(model_, u, body.pointHistory());
+  const SolutionFields fields = solutionFields(model_, u, body.pointHistory(), body.holdingFriction());
   std::vector<Vec3> reaction(model_.X.size(), Vec3::Zero());
   body.addNodeReactions(reaction);
   const std::vector<VtuField> at_nodes{vtuVectors("displacement_m", fields.displacement),
