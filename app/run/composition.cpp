@@ -1,7 +1,7 @@
 #include "app/run/composition.h"
 
 #include "app/render/pick.h"
-#include "app/run/pull_force.h"
+#include "step/node_passes.h"
 
 namespace palpate::app {
 
@@ -50,10 +50,13 @@ UserActions drawComposition(OrganView& organ, Interface& ui, const Session& sess
   PanelData data = session.panelData(snapshot);
   data.colour_scale = scale;
   data.frames_per_second = shown.frames_per_second;
-  if (drawn.pulled_vertex >= 0)  // by the skin as it was just drawn
-    data.pull_N = pullForce(
-        modelOf(snapshot, session.model()), drawn.pulled_vertex,
-        drawn.pull_target - organ.skinPositions()[static_cast<std::size_t>(drawn.pulled_vertex)].cast<double>());
+  if (drawn.pulled_vertex >= 0) {  // by the skin as it was just drawn
+    const Model& model = modelOf(snapshot, session.model());
+    const Vec3 skin = organ.skinPositions()[static_cast<std::size_t>(drawn.pulled_vertex)].cast<double>();
+    data.pull_N = pullForce(model, drawn.pulled_vertex, drawn.pull_target - skin, model.inverse_mass.data(),
+                            Integrator(model.dt, model.scene.dynamics.damping).alpha)
+                      .norm();
+  }
   if (!session.options().offscreen) {
     const Eigen::Vector2d corner(layout.view.x, layout.view.y), room(layout.view.width, layout.view.height);
     const double ratio = size.pixel_ratio;

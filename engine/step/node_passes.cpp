@@ -1,8 +1,11 @@
 #include "step/node_passes.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/float4.h"
+#include "contact/contact_row.h"
+#include "contact/skin_forces.h"
 #include "mechanics/internal_forces.h"
 #include "step/follow_stiffness.h"
 #include "step/workspace.h"
@@ -103,25 +106,23 @@ Moved accumulate(const Model& model, const StepMasses& masses, State& state, Wor
   return moved;
 }
 
-void pull(const Model& model, const Command& command, const StepMasses& masses, State& state) {
-  const int v = command.pull_vertex;
-  if (v < 0 || v >= static_cast<int>(model.skin.surface.vertices.size())) return;
-  const auto& skin = model.skin;
-  Vec3 x = skin.surface.vertices[v];
-  double mobility = 0;  // N^T M^-1 N
-  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
-    x += skin.N[e] * (toVec3(state.u[skin.node[e]]) + toVec3(state.du[skin.node[e]]));
-    mobility += static_cast<double>(skin.N[e]) * skin.N[e] * masses.inverse[skin.node[e]];
-  }
+Vec3 pullForce(const Model& model, int vertex, const Vec3& gap, const float* inverse_mass, double alpha) {
   // Stiff enough to lead, soft enough to leave the stable step alone: the spring alone would
   // correct a fiftieth of the gap in one step.
   constexpr double share_per_step = 0.02;
-  Vec3 gap = command.pull_target - x;
   const double longest = 2 * model.scene.tools[0].shape.radius;  // a pointer far away pulls no harder than this
-  if (gap.norm() > longest) gap *= longest / gap.norm();
-  const Vec3 impulse = share_per_step / mobility * gap;  // alpha * force
-  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e)
-    addScaled(state.du[skin.node[e]], skin.N[e] * masses.inverse[skin.node[e]], toFloat4(impulse));
+  const double share = share_per_step * std::min(1.0, longest / gap.norm());
+  return share / (static_cast<double>(compliance(model.skin, vertex, inverse_mass)) * alpha) * gap;
+}
+
+void pull(const Model& model, const Command& command, double alpha, const StepMasses& masses, State& state) {
+  const int v = command.pull_vertex;
+  const SkinModel& skin = model.skin;
+  if (v < 0 || v >= skin.vertexCount()) return;
+  Vec3 x = skinPosition(skin, v, state.u.data());
+  x += interpolateAtVertex(skin, v, state.du.data()).head<3>().cast<double>();
+  const Vec3 force = pullForce(model, v, command.pull_target - x, masses.inverse, alpha);
+  applyForce(skin, v, lanesOf(force), static_cast<float>(alpha), masses.inverse, state.du.data());
 }
 
 }  // namespace palpate

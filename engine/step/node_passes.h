@@ -38,7 +38,10 @@ struct Moved {
 /// u += du, compensated (Kahan): the error of u does not grow with the number of steps.
 Moved accumulate(const Model& model, const StepMasses& masses, State& state, Workspace& workspace);
 
-/// A spring between the skin vertex that the command pulls and its pointer, if there is one.
-void pull(const Model& model, const Command& command, const StepMasses& masses, State& state);
+/// N, of the spring that pulls a skin vertex by `gap` (m). @param inverse_mass  (node_count) 1/kg  @param alpha  s^2
+Vec3 pullForce(const Model& model, int vertex, const Vec3& gap, const float* inverse_mass, double alpha);
+
+/// That spring between the skin vertex that the command pulls and its pointer, if there is one.
+void pull(const Model& model, const Command& command, double alpha, const StepMasses& masses, State& state);
 
 }  // namespace palpate

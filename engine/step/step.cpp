@@ -34,7 +34,7 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
 
   // What weight, loads, the user and the tools add to du~; a tool gives way to more than its max_force
   addLoads(model, time, integrator.alpha, masses, state, workspace);
-  pull(model, command, masses, state);
+  pull(model, command, integrator.alpha, masses, state);
   ToolPostures tools = wanted;
   workspace.boundary.moved_before = state.region_shift;
   moveRegions(model, state);
