@@ -99,11 +99,17 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
         for (const auto& f : failed) unsupported->push_back({(*at)[f.row], (*rows)[f.row]});
         continue;
       }
-      if (attempt == max_enlargements)
-        throw InputError(placeOf(scene, "discretization.support_factor"),
-                         "the support of the point at " + coordinates((*at)[failed.front().row]) +
-                             " is inadmissible (" + std::to_string(failed.front().support_count) + " nodes)",
-                         "raise discretization.support_factor or lower discretization.spacing");
+      if (attempt == max_enlargements) {
+        const Vec3& point = (*at)[failed.front().row];
+        const bool by_air = gaps.areNear(point, 2 * scene.discretization.spacing);
+        throw InputError(placeOf(scene, by_air ? "discretization.spacing" : "discretization.support_factor"),
+                         "the support of the point at " + coordinates(point) + " is inadmissible (" +
+                             std::to_string(failed.front().support_count) + " nodes)" +
+                             (by_air ? ", as supports end at the narrow air beside it" : ""),
+                         by_air ? "lower discretization.spacing to less than the tissue's thickness there, or close "
+                                  "the air in the surface"
+                                : "raise discretization.support_factor or lower discretization.spacing");
+      }
       std::vector<double> mine = radius;
       enlargeSupports(*at, failed, neighbours, mine, {groups.of_nodes, *rows});
       for (std::size_t i = 0; i < mine.size(); ++i) enlarged[i] = std::max(enlarged[i], mine[i]);

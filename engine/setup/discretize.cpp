@@ -96,12 +96,13 @@ void checkCounts(const Scene& scene, double volume, double area) {
 }
 
 Discretization discretizeOnSurface(const Scene& scene, const SurfaceTree& organ,
-                                   const std::function<void(double)>& progress) {
+                                   const std::function<void(double)>& progress, double paired_air) {
   checkCounts(scene, signedVolume(organ.surface()), surfaceArea(organ.surface()));
   Discretization d;
   constexpr double of_nodes = 0.7;
-  d.cloud = makeNodeCloud(organ, spacingField(scene), scene.discretization.seed, rimsOf(scene, organ),
-                          [&](double share) { progress(of_nodes * share); });
+  d.cloud = makeNodeCloud(
+      organ, spacingField(scene), scene.discretization.seed, rimsOf(scene, organ),
+      [&](double share) { progress(of_nodes * share); }, paired_air);
   if (hasBorders(scene)) putOnInterfaces(scene, organ, spacingField(scene), d.cloud);
   progress(of_nodes);
   d.cells = makeBackgroundCells(d.cloud, organ);

@@ -19,8 +19,9 @@ double finestSpacing(double volume, double area, double nodes);
 SpacingField spacingField(const Scene& scene);
 
 /// Nodes and cells before the volume is fitted: surface nodes are on the surface. @throws as discretize
+/// @param paired_air  makeNodeCloud's
 Discretization discretizeOnSurface(const Scene& scene, const SurfaceTree& organ,
-                                   const std::function<void(double)>& progress);
+                                   const std::function<void(double)>& progress, double paired_air = 0);
 
 /// Moves nodes so that cells enclose the organ's volume (volume_fit.h) and, where materials meet, each its own
 /// (interface_nodes.h).

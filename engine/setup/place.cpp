@@ -390,9 +390,12 @@ void makeCloud(const std::function<void(double)>& progress, BodyPlaces& body) {
   Scene fine = body.scene;
   fine.discretization.spacing = body.fine;
   fine.discretization.refine = finerThan(fine.discretization.spacing, body.scene.discretization.refine);
-  Discretization d = discretizeOnSurface(fine, body.surface, progress);
+  // So wide air lies between coarse nodes that would be nearest to each other (NestedCloud's are 0.7 spacings apart).
+  const double paired_air = 0.7 * body.scene.discretization.spacing;
+  Discretization d = discretizeOnSurface(fine, body.surface, progress, paired_air);
   putInSlices(d);
-  body.cloud = nestedOrder(d.cloud, dimensionsOf(fine, body.surface, d), spacingField(fine));
+  body.cloud = nestedOrder(d.cloud, dimensionsOf(fine, body.surface, d), spacingField(fine),
+                           pairsAcrossAir(d.cloud, body.surface, paired_air));
   const QuadratureSpec& quadrature = body.scene.discretization.quadrature;
   if (quadrature.cells_per_point > 1 && quadrature.accuracy == 0 && quadrature.points_per_cell == 1)
     body.common.pair_moment = largestPairMoment(

@@ -154,6 +154,52 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   CHECK(report.skin_contact_count == 0);
 }
 
+TEST_CASE("A lip of a slit narrower than the nodes are apart bends alone, until it touches the other",
+          "[simulation][skin_contact]") {
+  Scene scene = test::blockScene(0.006);
+  scene.materials[0].material.set("poisson", 0.45);
+  scene.boundaries.clear();
+  addBoundary(scene, -1, Vec3::Zero(), Vec3::UnitZ(), {true, true, true});
+  scene.dynamics.damping = 40;
+  scene.tools[0].shape.radius = 0.006;
+  scene.tools[0].position = Vec3(-0.0065, 0.006, 0.02);
+  const Model model = buildModel(
+      scene, test::cubes({13, 6, 12}, cube, [](const Vec3& x) { return std::abs(x.x() - 6.5) > 0.5 || x.z() < 4; }));
+  State state = initialState(model);
+  Workspace workspace(model, 1);
+  Command command;
+  command.tools[0].pose = model.tools.first().start.pose;
+  StepReport report;
+  const auto push = [&](double to, int ticks) {  // m, from the start
+    const double from = command.tools[0].pose.position.x() - scene.tools[0].position.x();
+    for (int k = 1; k <= ticks; ++k) {
+      command.tools[0].pose.position.x() =
+          scene.tools[0].position.x() + from + (to - from) * std::min(1.0, 2.0 * k / ticks);
+      report = tick(model, state, command, workspace);
+    }
+  };
+  // m, that the slit's edges have moved, left and right.
+  const auto moved = [&] {
+    std::array<double, 2> most{};
+    const auto& X = model.skin.surface.vertices;
+    for (int v = 0; v < model.skin.vertexCount(); ++v)
+      for (const std::size_t side : {0U, 1U})
+        if ((X[v] - Vec3((side == 0 ? 6 : 7) * cube, 0.006, 12 * cube)).norm() < 1e-6)
+          most[side] = skinPosition(model.skin, v, state.u.data()).x() - X[v].x();
+    return most;
+  };
+  push(0.003, 100);
+  const auto [bent, still] = moved();
+  CHECK(report.skin_contact_count == 0);
+  CHECK(bent > 4 * std::abs(still));
+  CHECK(bent > 5e-4);
+  push(0.010, 300);
+  const auto [left, right] = moved();
+  CHECK(report.skin_contact_count > 0);
+  CHECK(right > 5 * still);
+  CHECK(left - right < 1.05 * cube);
+}
+
 TEST_CASE("Looking at what moved finds what looking at all of the skin does", "[simulation][skin_contact][whole]") {
   const Model model = flap();
   State moved = initialState(model), all = moved;

@@ -8,6 +8,7 @@
 #include "base/input_error.h"
 #include "base/parallel_for.h"
 #include "discretization/cells/delaunay.h"
+#include "discretization/surface/surface_gaps.h"
 #include "discretization/surface/surface_geometry.h"
 
 namespace palpate {
@@ -153,6 +154,41 @@ void peelSlivers(std::vector<std::array<int, 4>>& cells, const NodeCloud& cloud)
   }
 }
 
+/// Drops cells with an edge across narrow air: they join what does not hold together, and no support carries what of
+/// them is in the air.
+void dropAcrossAir(std::vector<std::array<int, 4>>& cells, const NodeCloud& cloud, const SurfaceTree& surface) {
+  constexpr double narrow = 0.7;    // of the mean edge of the cells at a node
+  constexpr double outside = 0.05;  // of the air's width, from the skin: an edge at the end of the air lies in the skin
+  const std::vector<Vec3>& X = cloud.X;
+  std::vector<double> length(X.size(), 0.0);
+  std::vector<int> count(X.size(), 0);
+  for (const auto& cell : cells)
+    for (const int i : cell) {
+      for (const int j : cell) length[i] += (X[j] - X[i]).norm();
+      count[i] += 3;
+    }
+  std::vector<std::vector<Vec3>> air(X.size());  // ways across it, m
+  parallelFor(static_cast<int>(X.size()), [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      if (!cloud.on_surface[i] || count[i] == 0) continue;
+      air[i] = acrossAir(surface, X[i], narrow * length[i] / count[i]);
+      for (Vec3& way : air[i]) way -= X[i];
+    }
+  });
+  const auto crosses = [&](int i, int j) {
+    const Vec3 edge = X[j] - X[i];
+    return std::any_of(air[i].begin(), air[i].end(), [&](const Vec3& way) {
+      const double along = edge.dot(way) / way.squaredNorm();
+      return along > 0.5 && surface.signedDistance(X[i] + 0.5 / along * edge) > outside * way.norm();
+    });
+  };
+  std::erase_if(cells, [&](const std::array<int, 4>& cell) {
+    return std::any_of(cell.begin(), cell.end(), [&](int i) {
+      return std::any_of(cell.begin(), cell.end(), [&](int j) { return i != j && crosses(i, j); });
+    });
+  });
+}
+
 }  // namespace
 
 BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& surface, SurfaceMemory* memory) {
@@ -168,6 +204,7 @@ BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& s
   const std::vector<char> held = heldCells(cloud, all, surface, memory);
   for (std::size_t c = 0; c < all.size(); ++c)
     if (held[c]) result.cells.push_back(all[c]);
+  dropAcrossAir(result.cells, cloud, surface);
   peelSlivers(result.cells, cloud);
   result.surface_volume = signedVolume(surface.surface());
   updateVolumes(result, cloud.X);

@@ -24,7 +24,8 @@ struct BackgroundCells {
 };
 
 /// Delaunay tetrahedra of the nodes, less those of which more than half lies outside the surface
-/// (judged by 15 points inside each that is near it) and less the slivers.
+/// (judged by 15 points inside each that is near it), those with an edge across air that is narrower than nodes are
+/// apart, and less the slivers.
 ///
 /// The cells' flat faces cut the corners of curved surfaces: on a sphere of radius r the loss is about
 /// 0.4 (h/r)^2 of the volume. fitToVolume (volume_fit.h) removes this loss.

@@ -9,6 +9,7 @@
 
 #include "base/parallel_for.h"
 #include "discretization/nodes/site_grid.h"
+#include "discretization/surface/surface_gaps.h"
 
 namespace palpate {
 namespace {
@@ -85,8 +86,36 @@ std::vector<std::uint8_t> nodeDimensions(const NodeCloud& cloud, const FeatureEd
   return dimension;
 }
 
-NestedCloud nestedOrder(const NodeCloud& cloud, const std::vector<std::uint8_t>& dimension,
-                        const SpacingField& finest) {
+std::vector<int> pairsAcrossAir(const NodeCloud& cloud, const SurfaceTree& surface, double widest) {
+  const double rounding = 1e-6 * widest;
+  SiteGrid grid(boxOf(cloud.X), widest);
+  for (const Vec3& x : cloud.X) grid.add({x, Vec3::Zero(), 0});
+  std::vector<int> across(cloud.X.size(), -1);
+  parallelFor(static_cast<int>(cloud.X.size()), [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      if (!cloud.on_surface[i]) continue;
+      for (const Vec3& at : acrossAir(surface, cloud.X[i], widest))
+        grid.forEachWithin(at, rounding, [&](int j, const Site&) {
+          if (j != i) across[i] = j;
+          return across[i] < 0;
+        });
+    }
+  });
+  std::vector<int> pairs(cloud.X.size(), -1);
+  for (int i = 0; i < static_cast<int>(across.size()); ++i) {
+    const int j = across[i];
+    if (j < 0 || pairs[i] >= 0 || pairs[j] >= 0) continue;
+    pairs[i] = j;
+    pairs[j] = i;
+  }
+  return pairs;
+}
+
+NestedCloud nestedOrder(const NodeCloud& cloud, std::vector<std::uint8_t> dimension, const SpacingField& finest,
+                        const std::vector<int>& pairs) {
+  const auto pairOf = [&](int i) { return pairs.empty() ? -1 : pairs[i]; };
+  for (int i = 0; i < static_cast<int>(dimension.size()); ++i)
+    if (pairOf(i) >= 0) dimension[i] = dimension[pairOf(i)] = std::min(dimension[i], dimension[pairOf(i)]);
   NestedCloud nested{cloud.X, cloud.on_surface, {}};
   const std::vector<Vec3>& X = nested.X;
   const double extent = boxOf(X).diagonal().norm();
@@ -110,16 +139,26 @@ NestedCloud nestedOrder(const NodeCloud& cloud, const std::vector<std::uint8_t>&
     queue.pop();
     const int i = -minus;
     if (nested.coarsest[i] > 0 || r != room[i]) continue;
-    nested.coarsest[i] = spacingOfRadius(r, finest.at(X[i]));
-    grid.forEachWithin(X[i], std::min(r, extent), [&](int j, const Site& site) {
-      if (nested.coarsest[j] > 0 || dimension[j] < dimension[i]) return true;
-      const double distance = (site.X - X[i]).norm();
-      if (distance < room[j]) {
-        room[j] = distance;
-        queue.emplace(distance, -j);
-      }
-      return true;
-    });
+    const int pair = pairOf(i);
+    if (pair >= 0 && room[pair] < r) {
+      room[i] = room[pair];
+      queue.emplace(room[i], -i);
+      continue;
+    }
+    for (const int k : {i, pair})
+      if (k >= 0) nested.coarsest[k] = spacingOfRadius(r, finest.at(X[i]));
+    for (const int k : {i, pair}) {
+      if (k < 0) continue;
+      grid.forEachWithin(X[k], std::min(r, extent), [&](int j, const Site& site) {
+        if (nested.coarsest[j] > 0 || dimension[j] < dimension[k]) return true;
+        const double distance = (site.X - X[k]).norm();
+        if (distance < room[j]) {
+          room[j] = distance;
+          queue.emplace(distance, -j);
+        }
+        return true;
+      });
+    }
   }
   return nested;
 }

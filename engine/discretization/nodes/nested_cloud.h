@@ -7,6 +7,7 @@
 #include "discretization/nodes/node_cloud.h"
 #include "discretization/nodes/spacing_field.h"
 #include "discretization/surface/feature_edges.h"
+#include "discretization/surface/surface_tree.h"
 
 namespace palpate {
 
@@ -44,9 +45,15 @@ std::vector<std::uint8_t> nodeDimensions(const NodeCloud& cloud, const FeatureEd
 /// @param dimension  (node_count) 0 .. 3; a border between materials counts as a sheet (2), on the surface as an edge,
 ///                   where it meets a sharp edge as a corner
 /// @param finest     the cloud's own spacing: where that (or less) is wanted all nodes are live
+/// @param pairs      as pairsAcrossAir gives them, of which both are live or neither; empty: none
 /// Ties go to the lower number; equal bits at each call. Cost ~ n log n with some hundred neighbours a node.
 /// Test: discretization/nodes/nested_cloud_test.cpp
-NestedCloud nestedOrder(const NodeCloud& cloud, const std::vector<std::uint8_t>& dimension, const SpacingField& finest);
+NestedCloud nestedOrder(const NodeCloud& cloud, std::vector<std::uint8_t> dimension, const SpacingField& finest,
+                        const std::vector<int>& pairs = {});
+
+/// The node straight across the air, where that is no wider than `widest`, m, or -1 (node_count): makeNodeCloud puts
+/// such pairs.
+std::vector<int> pairsAcrossAir(const NodeCloud& cloud, const SurfaceTree& surface, double widest);
 
 /// Makes some nodes live everywhere: of `members` the `count` that come first in farthest-point order.
 void keepLive(const std::vector<int>& members, int count, NestedCloud& cloud);

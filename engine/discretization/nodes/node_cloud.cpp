@@ -44,7 +44,8 @@ void checkAgainstBody(const SpacingField& spacing, const SurfaceTree& surface) {
 }  // namespace
 
 NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed,
-                        const std::vector<FeatureEdges::Chain>& rims, const std::function<void(double)>& progress) {
+                        const std::vector<FeatureEdges::Chain>& rims, const std::function<void(double)>& progress,
+                        double paired_air) {
   spacing.check();
   checkAgainstBody(spacing, surface);
 
@@ -54,6 +55,7 @@ NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing,
   scatter.placeCorners(features);
   scatter.placeEdges(features);
   scatter.placeFaces();
+  scatter.pairAcrossAir(paired_air);
   scatter.placeInside();
 
   NodeCloud cloud;

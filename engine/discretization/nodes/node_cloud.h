@@ -23,7 +23,9 @@ struct NodeCloud {
 ///
 /// With h the spacing field: no two nodes are closer than 0.5 h (h the mean of theirs) and no inner
 /// node is closer to the surface than 0.5 h; where two parts of the surface or two corners come closer than
-/// that, one of the conflicting nodes is left out. Where the surface's parts are at least some h apart, the
+/// that, one of the conflicting nodes is left out. Only across air, as of a slit, they may be as near as it is narrow:
+/// where it is narrower than 0.5 h, or than `paired_air`, nodes stand in pairs straight across it, so that each side
+/// has its own, and cells (background_cells.h) end at the air. Where the surface's parts are at least some h apart, the
 /// closest pair is at 0.65-0.83 h, the mean nearest neighbour at 0.85-0.91 h and the mean edge of the cells
 /// at 1.02-1.07 h. Uniform spacing gives V/(0.7 h^3) + k A/h^2 nodes (V volume, A area), with k measured
 /// 0.52-0.63 on fine clouds and up to 0.78 on coarse ones, whose edges weigh more.
@@ -31,6 +33,7 @@ struct NodeCloud {
 /// @param surface  closed, outward (see surface_check.h)
 /// @param rims     closed curves on the surface that get nodes as sharp edges do: the borders of imposed regions
 /// @param progress called now and then with the share that is done, 0..1; may throw
+/// @param paired_air  m
 /// @param seed     another seed, another cloud of the same quality; the same seed gives the same bits
 /// Throws InputError (place of the spacing field) for spacings that are not positive, exceed the body's
 /// smallest extent, or would need more than 500,000 nodes.
@@ -40,6 +43,6 @@ struct NodeCloud {
 /// Test: discretization/nodes/node_cloud_test.cpp
 NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed,
                         const std::vector<FeatureEdges::Chain>& rims = {},
-                        const std::function<void(double)>& progress = {});
+                        const std::function<void(double)>& progress = {}, double paired_air = 0);
 
 }  // namespace palpate

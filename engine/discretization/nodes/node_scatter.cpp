@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel_for.h"
+#include "discretization/surface/surface_gaps.h"
 #include "discretization/surface/surface_geometry.h"
 
 namespace palpate {
@@ -239,6 +240,49 @@ void Scatter::placeFaces() {
       site.normal = areaVector(surface_.surface(), foot.triangle).normalized();
     }
   });
+  surface_count_ = sites_.size();
+}
+
+/// Where air is so narrow that both its sides share their nodes, each node of one gets another straight across: either
+/// side is then as dense as anywhere, and cells end at the air. A node on a face goes where that leaves no room.
+void Scatter::pairAcrossAir(double widest) {
+  constexpr double narrowest = 0.01;                           // in units of h; what is closer has one node
+  const Vec3 first_way = Vec3(0.64, 0.57, 0.52).normalized();  // air that looks this way has its nodes first
+  std::vector<std::vector<Vec3>> across(surface_count_);
+  parallelFor(static_cast<int>(surface_count_), [&](int first, int last) {
+    for (int i = first; i < last; ++i)
+      across[i] = acrossAir(surface_, sites_[i].X, std::max(widest, closest_approach * sites_[i].h));
+  });
+  std::vector<char> gone(surface_count_, 0), paired(surface_count_, 0);
+  const auto pair = [&](std::size_t i, const Vec3& at) {
+    const Site image{at, Vec3::Zero(), spacing_.at(at)};
+    const Vec3 x = sites_[i].X, way = at - x;
+    std::vector<int> in_the_way;
+    bool has_room = way.norm() > narrowest * image.h;
+    grid_.forEachWithin(image.X, searchRadius(image, closest_approach), [&](int j, const Site& other) {
+      const bool near = (other.X - image.X).norm() < closest_approach * (image.h + other.h) / 2;
+      if (gone[j] || !near || (other.X - x).dot(way) < way.squaredNorm() / 2) return true;
+      has_room = has_room && !paired[j] && !other.normal.isZero();
+      in_the_way.push_back(j);
+      return has_room;
+    });
+    if (!has_room) return;
+    for (const int j : in_the_way) gone[j] = 1;
+    add(image);
+    gone.push_back(0);
+    paired.push_back(1);
+    paired[i] = 1;
+  };
+  for (const bool second : {false, true})
+    for (std::size_t i = 0; i < surface_count_; ++i)
+      for (const Vec3& at : across[i])
+        if (!gone[i] && second != ((at - sites_[i].X).dot(first_way) > 0)) pair(i, at);
+  if (sites_.size() == surface_count_) return;
+  const std::vector<Site> all = std::move(sites_);
+  sites_.clear();
+  grid_.clear();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (!gone[i]) add(all[i]);
   surface_count_ = sites_.size();
 }
 

@@ -51,10 +51,12 @@ class Scatter {
   Scatter(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed,
           std::function<void(double)> progress = {});
 
-  /// The four stages, in this order.
+  /// The five stages, in this order.
   void placeCorners(const FeatureEdges& features);
   void placeEdges(const FeatureEdges& features);
   void placeFaces();
+  /// @param widest  m; air narrower than the closest approach has pairs in any case
+  void pairAcrossAir(double widest);
   void placeInside();
 
   const std::vector<Site>& sites() const { return sites_; }

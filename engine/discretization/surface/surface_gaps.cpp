@@ -32,6 +32,29 @@ double wayAcross(const SurfaceTree& body, const Vec3& from, const Vec3& along, d
 
 }  // namespace
 
+std::vector<Vec3> acrossAir(const SurfaceTree& body, const Vec3& x, double widest) {
+  const TriangleSurface& skin = body.surface();
+  const double rounding = 1e-6 * widest;
+  std::vector<int> faces;
+  body.facesNear(Box3(x - Vec3::Constant(rounding), x + Vec3::Constant(rounding)), faces);
+  std::sort(faces.begin(), faces.end());
+  std::vector<Vec3> found;
+  for (const int t : faces) {
+    const Vec3 area = areaVector(skin, t), normal = area.normalized();
+    if (!(area.squaredNorm() > 0) || std::abs(normal.dot(x - skin.vertices[skin.triangles[t][0]])) > rounding) continue;
+    const auto& [a, b, c] = skin.triangles[t];
+    const Vec3 inward_way = (skin.vertices[a] + skin.vertices[b] + skin.vertices[c]) / 3 - x;
+    const Vec3 from = x + std::min(inward, inward * widest / std::max(inward_way.norm(), widest)) * inward_way;
+    const double way = wayAcross(body, from, normal, lift_of_edge * widest, widest);
+    if (way == 0) continue;
+    const SurfaceTree::Closest foot = body.closest(x + way * normal, inward * widest);
+    const bool is_new = std::none_of(found.begin(), found.end(),
+                                     [&](const Vec3& y) { return (y - foot.point).norm() < inward * widest; });
+    if (foot.triangle >= 0 && is_new) found.push_back(foot.point);
+  }
+  return found;
+}
+
 double thicknessOf(const SurfaceTree& body, double share) {
   constexpr double everywhere = std::numeric_limits<double>::infinity();
   const TriangleSurface& skin = body.surface();

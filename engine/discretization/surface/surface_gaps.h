@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "discretization/surface/surface_tree.h"
 
@@ -32,6 +33,10 @@ class SurfaceGaps {
   /// In each gap, before each of its two sides.
   std::optional<SurfaceTree> screens_;
 };
+
+/// Straight across the air from x, m, a point of the body's skin: the points that look at it from within `widest`, one
+/// for each face at x that looks at skin (an edge may look at two).
+std::vector<Vec3> acrossAir(const SurfaceTree& body, const Vec3& x, double widest);
 
 /// How thick a body is at most, m, where a share of its skin is thinnest: from each face straight through to skin that
 /// looks the other way; infinity where less has such skin.

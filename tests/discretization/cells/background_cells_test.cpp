@@ -9,6 +9,7 @@
 #include "discretization/cells/background_cells.h"
 #include "discretization/cells/delaunay.h"
 #include "discretization/surface/surface_geometry.h"
+#include "support/cubes.h"
 
 using namespace palpate;
 
@@ -116,6 +117,38 @@ TEST_CASE("Concave bodies are not bridged", "[cells]") {
     Vec3 centroid = Vec3::Zero();
     for (int i : cell) centroid += cloud.X[i] / 4;
     REQUIRE(dumbbell.signedDistance(centroid) < 1e-4);
+  }
+}
+
+TEST_CASE("Both sides of a narrow slit have their own nodes, and cells end at it", "[cells]") {
+  constexpr double mm = 1e-3;
+  const SurfaceTree tree(
+      test::cubes({21, 12, 20}, mm, [](const Vec3& x) { return std::abs(x.x() - 10.5) > 0.5 || x.z() < 8; }));
+  for (const double h : {0.0017, 0.003, 0.005}) {  // of which the slit is 0.6 .. 0.2
+    const NodeCloud cloud = cloudOf(tree, h);
+    const auto inSlit = [&](int i, double wall) {
+      return std::abs(cloud.X[i].x() - wall) < 1e-9 && cloud.X[i].z() > 8 * mm;
+    };
+    int left = 0, right = 0;
+    for (int i = 0; i < static_cast<int>(cloud.X.size()); ++i) {
+      left += inSlit(i, 10 * mm);
+      right += inSlit(i, 11 * mm);
+    }
+    CHECK(std::min(left, right) > 0.9 * 144e-6 / (0.866 * h * h));
+    CHECK(std::max(left, right) < 1.1 * std::min(left, right));
+    const BackgroundCells cells = makeBackgroundCells(cloud, tree);
+    CHECK(std::abs(cells.volumeError()) < 0.01);
+    CHECK(unusedNodes(cells, cloud).empty());
+    int across = 0;
+    for (const auto& cell : cells.cells) {
+      const auto isBeside = [&](double side) {
+        return std::any_of(cell.begin(), cell.end(), [&](int i) {
+          return side * (cloud.X[i].x() - 10.5 * mm) > 0.4 * mm && cloud.X[i].z() > 8 * mm + 1e-9;
+        });
+      };
+      across += isBeside(-1) && isBeside(1);
+    }
+    CHECK(across == 0);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "discretization/cells/background_cells.h"
 #include "discretization/cloud_statistics.h"
 #include "discretization/surface/solids.h"
+#include "support/cubes.h"
 
 using namespace palpate;
 
@@ -128,4 +129,25 @@ TEST_CASE("Nodes that are to be kept are live in every cloud", "[nested]") {
   const auto live = liveNodes(cloud, uniform(10));
   CHECK(std::count_if(members.begin(), members.end(),
                       [&](int i) { return std::binary_search(live.begin(), live.end(), i); }) == 3);
+}
+
+TEST_CASE("Of a pair of nodes across narrow air both are live or neither", "[nested]") {
+  constexpr double mm = 1e-3, h = 1.5 * mm, coarse = 4.5 * mm, air = 1.2 * mm;
+  const TriangleSurface surface =
+      test::cubes({21, 12, 20}, mm, [](const Vec3& x) { return std::abs(x.x() - 10.5) > 0.5 || x.z() < 8; });
+  const SurfaceTree tree(surface);
+  const NodeCloud cloud = makeNodeCloud(tree, uniform(h), 1, {}, {}, air);
+  const std::vector<int> pairs = pairsAcrossAir(cloud, tree, air);
+  const NestedCloud nested =
+      nestedOrder(cloud, nodeDimensions(cloud, findFeatureEdges(surface), uniform(h)), uniform(h), pairs);
+  const auto live = liveNodes(nested, uniform(coarse));
+  int paired = 0;
+  for (const int i : live) {
+    if (pairs[i] < 0) continue;
+    ++paired;
+    CHECK((cloud.X[pairs[i]] - cloud.X[i]).norm() == Approx(mm));
+    CHECK(std::binary_search(live.begin(), live.end(), pairs[i]));
+  }
+  CHECK(paired > 0.8 * 2 * 144e-6 / (0.866 * coarse * coarse));
+  CHECK(std::abs(makeBackgroundCells(partOf(nested, live), tree).volumeError()) < 0.01);
 }
