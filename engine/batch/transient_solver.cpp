@@ -17,7 +17,8 @@ TransientSolver::TransientSolver(const Model& model, int threads) : model_(model
 std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& wanted, const Watch& watch) {
   const double h = model_.dt;
   const auto [alpha, beta, ch] = Integrator(h, model_.scene.dynamics.damping);
-  const ToolsAt tools = stoppedByRigid(model_, body_.tools(), wanted, time() + model_.substeps_per_tick * h);
+  const double duration = model_.substeps_per_tick * h;
+  const ToolsAt tools = stoppedByRigid(model_, body_.tools(), wanted, time() + duration, duration);
   ToolsAt from = body_.tools();
   from.count = tools.count;
   if (watch) {

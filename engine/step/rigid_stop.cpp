@@ -102,6 +102,44 @@ ToolPosture pushedOut(const Model& model, int tool, const ToolPosture& wanted, d
   return posture;
 }
 
+/// A pose in a rigid body's frame.
+Pose within(const Pose& body, const Pose& pose) {
+  const Quat back = body.orientation.conjugate();
+  return {body.toLocal(pose.position), back * pose.orientation};
+}
+
+/// The way of a tool in a tick among rigid bodies that move.
+struct Passage {
+  int pieces = 1;        // that see all that they would pass
+  double of_bodies = 0;  // m, that those near it go at most
+};
+
+Passage passageOf(const Model& model, int tool, const ToolPosture& from, const ToolPosture& to, double begin,
+                  double end) {
+  constexpr int most_pieces = 64;
+  Passage passage;
+  for (const ToolBody& body : model.tools.body) {
+    if (body.tool != tool) continue;
+    const ToolProfile profile = toolProfile(body.shape);
+    const Pose first = bodyPose(body, from), last = bodyPose(body, to);
+    const Vec3 middle = first.toWorld(Vec3(0, 0, 0.5 * profile.length));
+    const double kept = kept_share * std::min(model.scene.discretization.spacing, profile.radius);
+    const double around = std::hypot(0.5 * profile.length, profile.radius) + kept;
+    for (const RigidBody& rigid : model.rigid.body) {
+      if (rigid.encloses) continue;
+      const Pose was = rigid.at(begin), is = rigid.at(end);
+      const Pose start = within(was, first);
+      const double way = largestTravel(body.shape, start, within(is, last));
+      if (rigid.shape.leastGap(was.toLocal(middle)) > around + way) continue;
+      // A piece brings the core's surface, without its rounding, no deeper than to the body's.
+      const double pieces = std::ceil(way / (kept + profile.rounding));
+      passage.pieces = std::max(passage.pieces, static_cast<int>(std::min<double>(most_pieces, pieces)));
+      passage.of_bodies = std::max(passage.of_bodies, largestTravel(body.shape, start, within(is, first)));
+    }
+  }
+  return passage;
+}
+
 /// Where a tool would be too near to what holds the organ.
 struct TooNear {
   double depth = 0;          // m; 0: nowhere
@@ -167,12 +205,34 @@ ToolPosture RigidStop::of(const Model& model, int tool, const ToolPosture& from,
     const Vec3 move = wanted.pose.position - from.pose.position, free = heldBack(model, tool, from, move, shifts);
     if (free != move) posture.pose.position = from.pose.position + free;
   }
-  return model.rigid.empty() ? posture : pushedOut(model, tool, posture, time, farthest);
+  if (model.rigid.empty()) return posture;
+  const ToolPosture to = posture;
+  const Passage passage = duration > 0 ? passageOf(model, tool, from, to, time - duration, time) : Passage{};
+  const double pieces = passage.pieces, piece = (1 + 1e-9) * largestWay(model, tool, from, to) / pieces;
+  posture = from;
+  for (int k = 1; k <= passage.pieces; ++k) {
+    const double left = largestWay(model, tool, posture, to);
+    posture = between(posture, to, left > piece ? piece / left : 1);
+    posture = pushedOut(model, tool, posture, time - duration * (1 - k / pieces),
+                        (farthest + most_walls * passage.of_bodies) / pieces);
+  }
+  return posture;
 }
 
-ToolsAt stoppedByRigid(const Model& model, const ToolsAt& from, const ToolsAt& wanted, double time) {
+bool RigidStop::failsAt(const Model& model, int tool, const ToolPosture& posture) const {
+  return nearestOf(model, tool, posture, time, 0).gap < 0;
+}
+
+bool RigidStop::bears(const Model& model, int tool, const ToolPosture& posture, const Vec3& force) const {
+  constexpr double as_near = 1.1;  // of what it keeps off
+  const Approach nearest = nearestOf(model, tool, posture, time, as_near * kept_share);
+  return nearest.gap < 0 && force.dot(nearest.out) < 0;
+}
+
+ToolsAt stoppedByRigid(const Model& model, const ToolsAt& from, const ToolsAt& wanted, double time, double duration) {
   if (model.rigid.empty() && model.held.empty()) return wanted;
-  const RigidStop stop{time};
+  RigidStop stop{time};
+  stop.duration = duration;
   ToolsAt tools = wanted;
   for (std::size_t t = 0; t < static_cast<std::size_t>(tools.count); ++t) {
     const auto stopped = [&](const ToolPosture& at, double share) {

@@ -128,6 +128,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
   for (int t = 0; t < model.tools.toolCount(); ++t) {
     total.loads[t].near_count = near[t].near_count;
     total.loads[t].stopped = ways.stopped(t);
+    if (ways.fails(t) && near[t].near_count > 0) total.flags |= kDeepContact;
   }
   return total;
 }

@@ -19,7 +19,7 @@ Vec3 apartOf(const ToolBody& body, const ToolPosture& tool) {
 }
 
 /// How the hand holds a tool that goes from where it was to `wanted`. Where it was at its limit in the last step it is
-/// guessed to stay where it was.
+/// guessed to stay where it was. It gives no way to what a rigid body bears.
 /// @param on_tissue  N, receives the tool's force in the last step
 ToolHold holdOf(const Model& model, const State& state, int tool, const ToolPosture& was, const ToolPosture& wanted,
                 Vec3& on_tissue) {
@@ -39,6 +39,8 @@ ToolHold holdOf(const Model& model, const State& state, int tool, const ToolPost
     on_tissue += force;
     pinch -= force.dot(apartOf(body, was));
   }
+  const RigidStop stop{static_cast<double>(state.step) * model.dt};
+  if (hold.max_force > 0 && stop.bears(model, tool, was, -on_tissue)) hold.max_force = 0;
   if (hold.max_force > 0 && on_tissue.norm() > at_limit * hold.max_force) {
     const Vec3 stays = was.pose.position - wanted.pose.position;
     if (stays.dot(on_tissue) < 0) hold.way = stays;
@@ -86,15 +88,19 @@ ToolWays::ToolWays(const Model& model, const State& state, const Command& comman
   const ToolPostures from = posturesOf(state);
   to_ = command.moves_others ? command.tools : from;
   to_[0].pose = command.tools[0].pose;
+  const double end = static_cast<double>(state.step + model.substeps_per_tick) * model.dt;
   for (int t = 0; t < count_; ++t) {
     const auto k = static_cast<std::size_t>(t);
-    const double reach = topSpeed(model, t) / model.scene.dynamics.rate_hz;
+    reach_[k] = topSpeed(model, t) / model.scene.dynamics.rate_hz;
     const double wanted = largestWay(model, t, from[k], to_[k]);
-    if (wanted > reach) to_[k] = between(from[k], to_[k], reach / wanted);
-    const double end = static_cast<double>(state.step + model.substeps_per_tick) * model.dt;
+    if (wanted > reach_[k]) to_[k] = between(from[k], to_[k], reach_[k] / wanted);
     const Vec3 wanted_at = to_[k].pose.position;
-    to_[k] = RigidStop{end, reach, state.region_shift}.of(model, t, from[k], to_[k]);
+    const RigidStop stop{end, reach_[k], state.region_shift, model.substeps_per_tick * model.dt};
+    to_[k] = stop.of(model, t, from[k], to_[k]);
     stopped_[k] = to_[k].pose.position != wanted_at;
+    if (!stopped_[k]) continue;
+    fails_[k] = stop.failsAt(model, t, to_[k]);
+    reach_[k] = std::max(reach_[k], largestWay(model, t, from[k], to_[k]));
   }
 }
 
@@ -103,10 +109,6 @@ ToolPostures ToolWays::next(const State& state, int left) const {
   for (std::size_t t = 0; t < static_cast<std::size_t>(count_); ++t)
     postures[t] = between(postures[t], to_[t], 1.0 / left);
   return postures;
-}
-
-double ToolWays::reach(const ToolBody& body) const {
-  return topSpeed(model_, body.tool) / model_.scene.dynamics.rate_hz;
 }
 
 void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads) {

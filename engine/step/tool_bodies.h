@@ -23,7 +23,7 @@ ToolPosture between(const ToolPosture& from, const ToolPosture& to, double share
 double largestWay(const Model& model, int tool, const ToolPosture& from, const ToolPosture& to);
 
 /// How the tools should go in one tick: each evenly from where it is to where the command wants it, no faster than its
-/// scene allows, turning and closing included.
+/// scene allows, turning and closing included, but where a rigid body pushes it.
 class ToolWays {
  public:
   ToolWays(const Model& model, const State& state, const Command& command);
@@ -34,18 +34,22 @@ class ToolWays {
   /// Whether a tool stands before what is rigid instead (RigidStop).
   bool stopped(int tool) const { return stopped_[static_cast<std::size_t>(tool)]; }
 
+  /// Whether it is in a rigid body all the same.
+  bool fails(int tool) const { return fails_[static_cast<std::size_t>(tool)]; }
+
   /// Where they should be after the next of `left` steps of the tick, from where they are: a tool that gave way tries
   /// to make it good.
   ToolPostures next(const State& state, int left) const;
 
   /// m, that a body may go in the tick.
-  double reach(const ToolBody& body) const;
+  double reach(const ToolBody& body) const { return reach_[static_cast<std::size_t>(body.tool)]; }
 
  private:
   const Model& model_;
   int count_;
   ToolPostures to_;
-  std::array<bool, max_tools> stopped_{};
+  std::array<bool, max_tools> stopped_{}, fails_{};
+  std::array<double, max_tools> reach_{};  // m
 };
 
 /// Adds what a body felt in solveContacts to its tool's.

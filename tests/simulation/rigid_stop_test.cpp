@@ -7,6 +7,8 @@
 #include "batch/static_solver.h"
 #include "contact/tools/tool_list.h"
 #include "step/step.h"
+#include "step/tool_bodies.h"
+#include "step/trust.h"
 #include "step/workspace.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
@@ -81,6 +83,42 @@ constexpr double stand = HeldTissue::clearance * spacing;  // m, of the tip over
 
 constexpr double kept = 0.25 * 0.01;  // m, of the radius
 
+/// A box that goes somewhere at constant speed.
+RigidSpec plate(const Vec3& min, const Vec3& max, const Vec3& translation, double duration) {
+  RigidSpec body;
+  body.name = "plate";
+  body.region.kind = Region::Kind::Box;
+  body.region.min = min;
+  body.region.max = max;
+  body.motion.translation = translation;
+  body.motion.duration = duration;
+  body.motion.curve.kind = LoadCurve::Kind::Linear;
+  return body;
+}
+
+/// The tools' ways alone, tick by tick, as if there were no tissue.
+struct Ways {
+  explicit Ways(const Model& the_model)
+      : model(the_model), state(initialState(the_model)), command(restCommand(the_model)) {}
+
+  /// Whether a tool came to be in a rigid body.
+  bool tick() {
+    const ToolWays ways(model, state, command);
+    bool fails = false;
+    for (std::size_t t = 0; t < state.tool.size(); ++t) {
+      state.tool[t] = ways.end()[t];
+      fails = fails || ways.fails(static_cast<int>(t));
+    }
+    state.step += model.substeps_per_tick;
+    return fails;
+  }
+  double time() const { return static_cast<double>(state.step) * model.dt; }
+
+  const Model& model;
+  State state;
+  Command command;
+};
+
 }  // namespace
 
 TEST_CASE("A tool comes to stand before a rigid body and slides along it", "[simulation][rigid]") {
@@ -110,6 +148,121 @@ TEST_CASE("A tool comes to stand before a rigid body and slides along it", "[sim
     const Vec3 at = RigidStop{0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position;
     CHECK(at.z() == Approx(0.04 + kept).margin(2e-4));
   }
+}
+
+TEST_CASE("A rigid body that moves takes every tool along, however fast and thin, and however slow the hand",
+          "[simulation][rigid]") {
+  const double top = 0.1, length = 0.03;  // m
+  Scene scene = toolBefore(Region::Kind::Box);
+  scene.rigid = {plate(Vec3(0.15, -0.05, top), Vec3(0.25, 0.05, top + 0.0005), Vec3(0, 0, -0.08), 1)};
+  scene.tools[0].position = Vec3(0.2, 0.01, 0.06);
+  scene.tools[0].max_speed = 0.02;
+  scene.tools.push_back(scene.tools[0]);
+  scene.tools[1].position.x() = 0.21;
+  scene.tools[1].max_speed = 10;
+  Model model = test::blockModel(scene);
+  for (const ToolKind kind : {ToolKind::Sphere, ToolKind::FlatCylinder, ToolKind::Capsule, ToolKind::Cone})
+    for (const double radius : {0.0006, 0.01})
+      for (const double duration : {2.0, 0.016}) {  // 40 mm/s, 5 m/s
+        CAPTURE(static_cast<int>(kind), radius, duration);
+        for (ToolBody& body : model.tools.body) body.shape = ToolShape::of(kind, radius, length);
+        model.rigid.body[0].motion.duration = duration;
+        const double high = kind == ToolKind::Sphere ? 2 * radius : length;
+        const double off = 0.25 * std::min(scene.discretization.spacing, radius);
+        Ways ways(model);
+        while (ways.time() < 1.05 * duration) {
+          REQUIRE_FALSE(ways.tick());
+          for (const ToolPosture& tool : ways.state.tool)
+            REQUIRE(tool.pose.position.z() + high < top - 0.08 * std::min(1.0, ways.time() / duration) - 0.9 * off);
+        }
+        for (const ToolPosture& tool : ways.state.tool)  // and no further
+          CHECK(tool.pose.position.z() + high == Approx(top - 0.08 - off).margin(1e-9));
+        // The hand waits above. Once it comes from below, its tool follows it as fast as it may.
+        ways.command.tools[0].pose.position.z() = ways.state.tool[0].pose.position.z() - 0.01;
+        const double before = ways.state.tool[0].pose.position.z();
+        ways.tick();
+        CHECK(before - ways.state.tool[0].pose.position.z() == Approx(0.02 / scene.dynamics.rate_hz));
+      }
+}
+
+TEST_CASE("A paddle that turns takes a tool along", "[simulation][rigid]") {
+  Scene scene = toolBefore(Region::Kind::Box);
+  RigidSpec paddle = plate(Vec3(0.2, 0.011, 0), Vec3(0.26, 0.012, 0.1), Vec3::Zero(), 0.1);
+  paddle.motion.axis_point = Vec3(0.2, 0.011, 0);
+  paddle.motion.axis = Vec3::UnitZ();
+  paddle.motion.angle = -M_PI;
+  scene.rigid = {paddle};
+  scene.tools[0].position = Vec3(0.23, -0.005, 0.03);
+  scene.tools[0].max_speed = 0.1;
+  const Model model = test::blockModel(scene);
+  Ways ways(model);
+  while (ways.time() < 0.1) {
+    REQUIRE_FALSE(ways.tick());
+    const Vec3 middle = ways.state.tool[0].pose.position + Vec3(0, 0, 0.01);
+    const Vec3 local = model.rigid.body[0].at(ways.time()).toLocal(middle);
+    REQUIRE(local.y() < 0.011);
+    CHECK((local.x() > 0.26 || local.x() < 0.2 || local.y() < 0.001 + 1e-9));
+  }
+  CHECK(ways.state.tool[0].pose.position.y() > 0.02);  // half around, though the hand is where it began
+}
+
+TEST_CASE("A tool that two rigid bodies squeeze, or jaws about one, are in them, which is doubted",
+          "[simulation][rigid]") {
+  Scene scene = toolBefore(Region::Kind::Box);
+  SECTION("squeezed") {  // over skin
+    scene.rigid = {plate(Vec3(0.0126, -0.05, 0.031), Vec3(0.02, 0.05, 0.06), Vec3(-0.006, 0, 0), 0.1),
+                   plate(Vec3(-0.02, -0.05, 0.031), Vec3(-0.0126, 0.05, 0.06), Vec3::Zero(), 0.1)};
+    const Model model = test::blockModel(scene);
+    State state = initialState(model);
+    Workspace workspace(model, 1);
+    const Command command = restCommand(model);
+    while (true) {
+      const StepReport report = tick(model, state, command, workspace);
+      const double time = static_cast<double>(state.step) * model.dt;
+      if (time > 0.1) break;
+      const double left = 0.0252 - 0.06 * time;  // m, between the plates
+      CAPTURE(left);
+      if (left > 0.0201 + kept) CHECK(doubtOf(model, report) != Doubt::Contact);
+      if (left < 0.0199) CHECK(doubtOf(model, report) == Doubt::Contact);
+    }
+  }
+  SECTION("jaws") {
+    scene.tools[0].position = Vec3(0.2, 0, 0.06);
+    scene.rigid = {plate(Vec3(0.199, -0.05, 0.04), Vec3(0.201, 0.05, 0.2), Vec3::Zero(), 1)};
+    scene.tools[0].opening = 0.01;
+    scene.tools[0].shape = ToolShape::of(ToolKind::Capsule, 0.002, 0.03);
+    const Model model = test::blockModel(scene);
+    Ways ways(model);
+    CHECK_FALSE(ways.tick());
+    ways.command.tools[0].opening = 0;
+    bool fails = false;
+    for (int k = 0; k < 20; ++k) fails = ways.tick();
+    CHECK(fails);
+  }
+}
+
+TEST_CASE("A plate presses a tool into tissue as a hand does, though the hand holds it with less",
+          "[simulation][rigid][whole]") {
+  Scene scene = test::blockScene();
+  scene.dynamics.damping = 200;
+  const Model by_hand = test::blockModel(scene);
+  scene.tools[0].max_speed = 0.01;
+  scene.tools[0].max_force = 0.05;
+  scene.rigid = {plate(Vec3(-0.05, -0.05, 0.0545), Vec3(0.05, 0.05, 0.06), Vec3(0, 0, -0.007), 0.3)};
+  const Model by_plate = test::blockModel(scene);
+  const auto pressed = [](const Model& model, double travel, double& tip) {
+    State state = initialState(model);
+    Workspace workspace(model, 1);
+    const StepReport report =
+        test::moveAlong(model, state, workspace, 300, [&](int k) { return travel * std::min(1.0, k / 150.0); });
+    tip = state.tool[0].pose.position.z();
+    return report.loads[0].force.z();
+  };
+  double of_hand, of_plate;
+  const double force = pressed(by_hand, 0.007, of_hand);
+  CHECK(force > 0.1);
+  CHECK(pressed(by_plate, 0, of_plate) == Approx(force).epsilon(0.01));
+  CHECK(of_plate == Approx(of_hand).margin(2e-5));
 }
 
 TEST_CASE("A tool that starts inside a rigid body is refused, one that touches it is not", "[simulation][rigid]") {
