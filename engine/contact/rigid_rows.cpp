@@ -17,6 +17,42 @@ constexpr float settled_on_rigid = 1e-6F;
 /// m, that nodes go until points near a body are looked for anew: in a tick at 1 m/s.
 constexpr double look_ahead = 2e-3;
 
+/// Whether a point gets into a body on its way, where it ends nearer to another side of it, or behind it: of a thin
+/// body the gap and the normal where it ends are those of the wrong side.
+/// @param side    unit, of the face that it touched; 0: none
+/// @param normal  receives the unit normal of the face by which it gets in, or got in
+/// @param before, gap  m, receive the gaps at the way's start and end to that face, as if it went on straight
+bool getsIn(const RigidShape& shape, const Vec3& start, const Vec3& way, const Vec3& side, Vec3& normal, double& before,
+            double& gap) {
+  constexpr int most_looks = 32;
+  constexpr double close = 1e-6;  // m
+  Vec3 x = start, out;
+  double g = shape.gapAt(x, out);
+  if (g < 0 && !side.isZero(0)) {  // back to that face
+    for (int k = 0; k < most_looks && g < -close; ++k) {
+      x -= g * side;
+      g = shape.gapAt(x, out);
+    }
+    normal = side;
+  } else {
+    const double length = way.norm();
+    double gone = 0;
+    for (int k = 0; k < most_looks && g > close; ++k) {  // Newton's: along a line the gap of what is convex is, too
+      const double slope = out.normalized().dot(way) / length;
+      if (!(slope < 0)) return false;
+      gone -= g / slope;
+      if (!(gone < length)) return false;
+      x = start + gone / length * way;
+      g = shape.gapAt(x, out);
+    }
+    if (!(g <= close && out.dot(way) < 0)) return false;
+    normal = out.normalized();
+  }
+  before = g + normal.dot(start - x);
+  gap = before + normal.dot(way);
+  return true;
+}
+
 }  // namespace
 
 /// Where a body is at a time.
@@ -126,22 +162,31 @@ bool RigidRows::makeRow(const RigidBody& body, const Place& from, const Place& t
   const Vec3 going = row.predicted.head<3>().cast<double>(), end = start + going;
   const bool moves = body.motion.moves();
   const Vec3 local_start = moves ? from.toBody(start) : start, local_end = moves ? to.toBody(end) : end;
-  Vec3 normal, normal_before;
+  const Vec3 way = moves ? Vec3(local_end - local_start) : going;
+  const Vec3 touched = state_->normal[point].cast<double>();  // 0: it did not
+  Vec3 normal, normal_before = Vec3::Zero();
   double gap = body.shape.gapAt(local_end, normal);
   const double correction = static_cast<double>(bodies_->correction[point]);
   const bool known = gap < RigidShape::away;
-  double before = known && !(gap + correction < near_gap) ? gap : body.shape.gapAt(local_start, normal_before);
-  if (!known && before < RigidShape::away) {  // a long step: as if the surface went on straight
+  // What comes fast is pushed further by its neighbours.
+  const double near = std::max(static_cast<double>(near_gap), way.norm());
+  const bool far = known && !(gap + correction < near);  // all along the way
+  double before = far ? gap : body.shape.gapAt(local_start, normal_before);
+  bool straight = false;  // as if the surface went on straight
+  if (known && !far && (touched.isZero() ? normal_before : touched).dot(normal) < 0 && before < RigidShape::away) {
+    straight = getsIn(body.shape, local_start, way, touched, normal, before, gap);
+  } else if (!known && before < RigidShape::away) {  // a long step
+    straight = true;
     normal = normal_before.normalized();
-    gap = before + normal.dot(moves ? Vec3(local_end - local_start) : going);
+    gap = before + normal.dot(way);
   }
   if (!(before < RigidShape::away)) before = gap;  // it comes back from far out: slowly
   gap += correction;
   before += correction;
-  if (!(gap < near_gap)) return false;  // nor where it is not a number
+  if (!(gap < near)) return false;  // nor where it is not a number
   // Along the normal of where the point was, as the tools' rows: what slides gains no energy.
-  const Vec3 out = known ? body.shape.normalAt(local_end, normal) : normal;
-  const Vec3 along = state_->normal[point].isZero() ? out : state_->normal[point].cast<double>();
+  const Vec3 out = straight ? normal : body.shape.normalAt(local_end, normal);
+  const Vec3 along = touched.isZero() ? out : touched;
   state_->normal[point] = out.cast<float>();
   row.point = point;
   row.normal = lanesOf(moves ? Vec3(to.turn * along) : along);

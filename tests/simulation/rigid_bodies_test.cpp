@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
+#include <tuple>
 
 #include "batch/static_solver.h"
 #include "batch/transient_solver.h"
@@ -477,6 +478,33 @@ TEST_CASE("Jabs of a plate at 1 m/s do not blow a block up", "[simulation][rigid
   CHECK(report.rigid[0].max_penetration < 1e-4);
   CHECK(report.min_J > 0.5F);
   CHECK(report.rigid[0].force.z() == Approx(weightOf(model)).epsilon(0.02));  // it lies there again
+}
+
+TEST_CASE("A fast plate presses as a slow one, however thin, and however long the time step", "[simulation][rigid]") {
+  Scene scene = test::blockScene();
+  scene.tools[0].position.z() = 0.2;
+  scene.dynamics.damping = 200;
+  const double top = scene.organs[0].size.z();
+  double slow = 0;
+  for (const auto& [thick, duration, from] : {std::tuple(0.01, 0.3, 0.001), std::tuple(0.0001, 0.008, 0.0003),
+                                              std::tuple(0.0005, 0.006, 0.006), std::tuple(0.002, 0.004, 0.001)}) {
+    CAPTURE(thick, duration, from);
+    RigidSpec plate;
+    plate.name = "plate";
+    plate.region.kind = Region::Kind::Box;
+    plate.region.min = Vec3(-0.06, -0.06, top + from);
+    plate.region.max = Vec3(0.06, 0.06, top + from + thick);
+    scene.rigid = {moved(plate, Vec3(0, 0, -0.003 - from), duration)};
+    scene.rigid[0].motion.curve.kind = LoadCurve::Kind::Linear;
+    const Model model = test::blockModel(scene);
+    Run run(model);
+    const StepReport report = run.ticks(300);
+    CHECK(report.rigid[0].max_penetration < 1e-4);
+    if (slow == 0) slow = report.rigid[0].force.z();
+    CHECK(report.rigid[0].force.z() == Approx(slow).epsilon(2e-3));
+    for (int v = 0; v < model.skin.vertexCount(); ++v)
+      REQUIRE(skinPosition(model.skin, v, run.state.u.data()).z() < top - 0.003 + 2e-4);
+  }
 }
 
 TEST_CASE("What rigid bodies can't be is refused", "[simulation][rigid]") {
