@@ -8,10 +8,10 @@
 namespace palpate {
 
 /// Spacings at rest, from which on two places of one body may touch. Those that look at each other across a gap, from
-/// `across_gap` on; nearer ones only where they look straight at each other (`opposite`, cosine of their normals), as on
-/// both sides of a slit: others are moved by the same nodes. Others only where skin folds, from `along_skin` on: nearer
-/// ones bend with each other, and what crumples between nodes is no contact (at 1.5 a gel that is 4.4 spacings wide,
-/// pressed roughly, locked itself into folds that it had not without).
+/// `across_gap` on; nearer ones only where they look straight at each other (`opposite`, cosine of their normals), as
+/// on both sides of a slit: others are moved by the same nodes. Others only where skin folds, from `along_skin` on:
+/// nearer ones bend with each other, and what crumples between nodes is no contact (at 1.5 a gel that is 4.4 spacings
+/// wide, pressed roughly, locked itself into folds that it had not without).
 constexpr double across_gap = 0.5, along_skin = 4, opposite = -0.7;
 
 inline Vec3 unit(const Vec3& a) {
