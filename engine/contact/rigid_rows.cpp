@@ -17,6 +17,9 @@ constexpr float settled_on_rigid = 1e-6F;
 /// m, that nodes go until points near a body are looked for anew: in a tick at 1 m/s.
 constexpr double look_ahead = 2e-3;
 
+/// m, of a step, that a point comes seen.
+constexpr double farthest_step = 2e-3;
+
 /// Whether a point gets into a body on its way, where it ends nearer to another side of it, or behind it: of a thin
 /// body the gap and the normal where it ends are those of the wrong side.
 /// @param side    unit, of the face that it touched; 0: none
@@ -28,16 +31,15 @@ bool getsIn(const RigidShape& shape, const Vec3& start, const Vec3& way, const V
   constexpr double close = 1e-6;  // m
   Vec3 x = start, out;
   double g = shape.gapAt(x, out);
-  if (g < 0 && !side.isZero(0)) {  // back to that face
-    for (int k = 0; k < most_looks && g < -close; ++k) {
-      x -= g * side;
-      g = shape.gapAt(x, out);
-    }
+  if (!side.isZero(0)) {  // back to that face, also from behind the body
+    if (g >= 0 && out.dot(side) < 0) g = shape.gapAt(x += (g + close) * side, out);
+    for (int k = 0; k < most_looks && g < 0 && (g < -close || out.dot(side) < 0); ++k)
+      g = shape.gapAt(x += std::max(-g, close) * side, out);
     normal = side;
   } else {
     const double length = way.norm();
     double gone = 0;
-    for (int k = 0; k < most_looks && g > close; ++k) {  // Newton's: along a line the gap of what is convex is, too
+    for (int k = 0; k < most_looks && g > close; ++k) {  // Newton's: never too far where the body is convex
       const double slope = out.normalized().dot(way) / length;
       if (!(slope < 0)) return false;
       gone -= g / slope;
@@ -116,7 +118,7 @@ void RigidRows::findNear(double reach) {
     for (int p = body.begin; p < body.end; ++p) {
       const Vec3 x = skinPosition(step_.skin, vertexOf(p), step_.u);
       if (moves) box.extend(x);
-      if (body.shape.leastGap(place.toBody(x)) > near_gap + reach && isZero(state_->force[p])) continue;
+      if (body.shape.leastGap(place.toBody(x)) > farthest_step + reach && isZero(state_->force[p])) continue;
       state_->near[state_->near_count++] = p;
     }
   }
@@ -169,7 +171,7 @@ bool RigidRows::makeRow(const RigidBody& body, const Place& from, const Place& t
   const double correction = static_cast<double>(bodies_->correction[point]);
   const bool known = gap < RigidShape::away;
   // What comes fast is pushed further by its neighbours.
-  const double near = std::max(static_cast<double>(near_gap), way.norm());
+  const double near = std::clamp(way.norm(), static_cast<double>(near_gap), farthest_step);
   const bool far = known && !(gap + correction < near);  // all along the way
   double before = far ? gap : body.shape.gapAt(local_start, normal_before);
   bool straight = false;  // as if the surface went on straight

@@ -24,6 +24,9 @@ Vector4f difference(const SkinContactScratch& scratch, const Row& row, const Flo
   return sum;
 }
 
+/// Of a vertex's to a force on itself, that it has to one between it and what it touches.
+constexpr float least_response = 0.01F;
+
 }  // namespace
 
 SkinRows::SkinRows(const ContactStep& step, SkinContactState* state, SkinContactScratch* scratch)
@@ -52,17 +55,19 @@ std::size_t SkinRows::makeRows() {
     row.gap = before + row.normal.dot(row.predicted);
     Float4& last = state_->force[row.slot];
     const Vector4f old = lanesOf(last);
-    if (!(row.gap < near_gap)) {  // nor where it is not a number
+    const int vertex = state_->vertex[row.slot];
+    float response = 0;
+    for (int e = row.begin; e < row.end; ++e)
+      response += scratch_->N[e] * scratch_->N[e] * step_.inverse_mass[scratch_->node[e]];
+    // Nor where it is not a number, nor what the same nodes move, as at a slit's tip.
+    if (!(row.gap < near_gap) || !(response > least_response * compliance(step_.skin, vertex, step_.inverse_mass))) {
       push(row, -old);
       last = {};
       continue;
     }
     scratch_->active[active_++] = static_cast<int>(&row - scratch_->row.data());
     row.highest = before < 0 ? before + fastest_return : 1e3F;
-    row.stiffness = layerStiffness(step_, state_->vertex[row.slot], static_cast<double>(row.area));
-    float response = 0;
-    for (int e = row.begin; e < row.end; ++e)
-      response += scratch_->N[e] * scratch_->N[e] * step_.inverse_mass[scratch_->node[e]];
+    row.stiffness = layerStiffness(step_, vertex, static_cast<double>(row.area));
     row.mobility = step_.alpha * response;
     // Not so soft that what comes fast takes several steps to stop.
     row.stiffness = std::max(row.stiffness, 1 / row.mobility);

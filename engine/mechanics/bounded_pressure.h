@@ -16,7 +16,7 @@ inline constexpr double pressed_from = 0.8;
 
 /// Friction over shear modulus that holds a node of the skin. (Blocks between plates, nu 0.49, coefficients of 0.3 to
 /// 1: from 0.05 to 0.2 forces are alike to 0.2 %; 0.5 and more leave them too stiff, and trembling.)
-inline constexpr double holding_friction = 0.1;
+inline constexpr double held_from = 0.1;
 
 /// h of a pressure K theta, which is negative where the tissue is pressed.
 template <class Real>
@@ -41,8 +41,9 @@ Real pressedShare(Real pressure, Real limit) {
 /// @param friction  Pa, that holds the node
 template <class Real>
 Real looseShare(Real friction, Real shear) {
-  constexpr Real holds = static_cast<Real>(holding_friction);
-  return friction < holds * shear ? 1 - friction / (holds * shear) : Real(0);
+  const Real holds = static_cast<Real>(held_from) * shear;
+  if (!(friction < holds)) return 0;
+  return friction > 0 ? 1 - friction / holds : Real(1);  // a row's N may be negative
 }
 
 }  // namespace palpate

@@ -16,7 +16,7 @@ enum StepFlag : std::uint32_t {
   kBlowUp = 1u << 1,           // a node moved further in one step than physics allows
   kInvertedPoints = 1u << 2,   // integration points with J <= 0
   kContactOverflow = 1u << 3,  // more skin touches than memory was taken for
-  kDeepContact = 1u << 4,      // penetration beyond a fifth of the tool's radius; a tool in a rigid body
+  kDeepContact = 1u << 4,      // penetration beyond a fifth of the tool's radius; skin at a tool in a rigid body
   kLetsGo = 1u << 5,           // a tool touches nothing, wherever it is (Command::lets_go)
 };
 

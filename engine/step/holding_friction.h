@@ -13,7 +13,8 @@ namespace palpate {
 
 /// The friction that holds nodes of the skin against what touches it, as far as it holds at all:
 ///   friction_j = sum_c N_j(X_c) mu_c |f_c| / sum_v N_j(X_v) a_v                  Pa
-/// over the last step's forces f_c of tools and rigid bodies; of the nodes of the cells' outer faces, others have none.
+/// over the last step's forces f_c of tools and rigid bodies (not of organs on one another); of the nodes of the cells'
+/// outer faces, others have none.
 class HoldingFriction {
  public:
   explicit HoldingFriction(const Model& model);

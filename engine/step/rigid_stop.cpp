@@ -71,22 +71,39 @@ Approach nearestOf(const Obstacle& obstacle, const ToolProfile& profile, const P
   return nearest;
 }
 
-/// The nearest of all bodies of a tool to all rigid bodies.
+/// m, half of a tool's extent about its middle, and what it keeps off.
+double around(const ToolProfile& profile, double kept) {
+  return std::hypot(0.5 * profile.length, profile.radius) + kept;
+}
+
+/// Calls call(approach) for what of a tool's bodies and the rigid bodies is near: gaps below 0 are all among them.
 /// @param kept  share of the spacing, and of the tool's radius, that gaps count from
-Approach nearestOf(const Model& model, int tool, const ToolPosture& posture, double time, double kept) {
-  Approach nearest;
-  for (int b = 0; b < model.tools.bodyCount(); ++b) {
-    const ToolBody& body = model.tools.body[b];
+template <class Call>
+void forEachNear(const Model& model, int tool, const ToolPosture& posture, double time, double kept, Call call) {
+  for (const ToolBody& body : model.tools.body) {
     if (body.tool != tool) continue;
     const ToolProfile profile = toolProfile(body.shape);
+    const Pose pose = bodyPose(body, posture);
+    const Vec3 middle = pose.toWorld(Vec3(0, 0, 0.5 * profile.length));
+    const double off = kept * std::min(model.scene.discretization.spacing, profile.radius);
     for (const RigidBody& rigid : model.rigid.body) {
       if (rigid.encloses) continue;
-      Approach at = nearestOf({rigid.shape, rigid.at(time)}, profile, bodyPose(body, posture));
-      at.gap -= kept * std::min(model.scene.discretization.spacing, profile.radius);
+      const Obstacle obstacle{rigid.shape, rigid.at(time)};
+      if (rigid.shape.leastGap(obstacle.pose.toLocal(middle)) > around(profile, off)) continue;
+      Approach at = nearestOf(obstacle, profile, pose);
+      at.gap -= off;
       at.body = &rigid;
-      if (at.gap < nearest.gap) nearest = at;
+      call(at);
     }
   }
+}
+
+/// The nearest of them.
+Approach nearestOf(const Model& model, int tool, const ToolPosture& posture, double time, double kept) {
+  Approach nearest;
+  forEachNear(model, tool, posture, time, kept, [&](const Approach& at) {
+    if (at.gap < nearest.gap) nearest = at;
+  });
   return nearest;
 }
 
@@ -108,9 +125,9 @@ Pose within(const Pose& body, const Pose& pose) {
   return {body.toLocal(pose.position), back * pose.orientation};
 }
 
-/// The way of a tool in a tick among rigid bodies that move.
+/// The way of a tool in a tick among rigid bodies.
 struct Passage {
-  int pieces = 1;        // that see all that they would pass
+  int pieces = 1;        // that see all that they would pass, at up to some 20 m/s
   double of_bodies = 0;  // m, that those near it go at most
 };
 
@@ -124,13 +141,12 @@ Passage passageOf(const Model& model, int tool, const ToolPosture& from, const T
     const Pose first = bodyPose(body, from), last = bodyPose(body, to);
     const Vec3 middle = first.toWorld(Vec3(0, 0, 0.5 * profile.length));
     const double kept = kept_share * std::min(model.scene.discretization.spacing, profile.radius);
-    const double around = std::hypot(0.5 * profile.length, profile.radius) + kept;
     for (const RigidBody& rigid : model.rigid.body) {
       if (rigid.encloses) continue;
       const Pose was = rigid.at(begin), is = rigid.at(end);
       const Pose start = within(was, first);
       const double way = largestTravel(body.shape, start, within(is, last));
-      if (rigid.shape.leastGap(was.toLocal(middle)) > around + way) continue;
+      if (rigid.shape.leastGap(was.toLocal(middle)) > around(profile, kept) + way) continue;
       // A piece brings the core's surface, without its rounding, no deeper than to the body's.
       const double pieces = std::ceil(way / (kept + profile.rounding));
       passage.pieces = std::max(passage.pieces, static_cast<int>(std::min<double>(most_pieces, pieces)));
@@ -199,24 +215,36 @@ Vec3 heldBack(const Model& model, int tool, const ToolPosture& from, const Vec3&
 
 }  // namespace
 
-ToolPosture RigidStop::of(const Model& model, int tool, const ToolPosture& from, const ToolPosture& wanted) const {
+ToolPosture RigidStop::beforeHeld(const Model& model, int tool, const ToolPosture& from,
+                                  const ToolPosture& wanted) const {
   ToolPosture posture = wanted;
   if (!model.held.empty() && wanted.pose.position != from.pose.position) {
     const Vec3 move = wanted.pose.position - from.pose.position, free = heldBack(model, tool, from, move, shifts);
     if (free != move) posture.pose.position = from.pose.position + free;
   }
-  if (model.rigid.empty()) return posture;
-  const ToolPosture to = posture;
-  const Passage passage = duration > 0 ? passageOf(model, tool, from, to, time - duration, time) : Passage{};
-  const double pieces = passage.pieces, piece = (1 + 1e-9) * largestWay(model, tool, from, to) / pieces;
-  posture = from;
+  return posture;
+}
+
+ToolPosture RigidStop::amongRigid(const Model& model, int tool, const ToolPosture& from,
+                                  const ToolPosture& wanted) const {
+  if (model.rigid.empty()) return wanted;
+  const Passage passage = passageOf(model, tool, from, wanted, time - duration, time);
+  const double pieces = passage.pieces;
+  ToolPosture posture;
+  Vec3 pushed = Vec3::Zero();
   for (int k = 1; k <= passage.pieces; ++k) {
-    const double left = largestWay(model, tool, posture, to);
-    posture = between(posture, to, left > piece ? piece / left : 1);
+    const ToolPosture free = between(from, wanted, k / pieces);
+    posture = free;
+    posture.pose.position += pushed;
     posture = pushedOut(model, tool, posture, time - duration * (1 - k / pieces),
                         (farthest + most_walls * passage.of_bodies) / pieces);
+    pushed = posture.pose.position - free.pose.position;
   }
   return posture;
+}
+
+ToolPosture RigidStop::of(const Model& model, int tool, const ToolPosture& from, const ToolPosture& wanted) const {
+  return amongRigid(model, tool, from, beforeHeld(model, tool, from, wanted));
 }
 
 bool RigidStop::failsAt(const Model& model, int tool, const ToolPosture& posture) const {
@@ -225,33 +253,29 @@ bool RigidStop::failsAt(const Model& model, int tool, const ToolPosture& posture
 
 bool RigidStop::bears(const Model& model, int tool, const ToolPosture& posture, const Vec3& force) const {
   constexpr double as_near = 1.1;  // of what it keeps off
-  const Approach nearest = nearestOf(model, tool, posture, time, as_near * kept_share);
-  return nearest.gap < 0 && force.dot(nearest.out) < 0;
+  constexpr double most = 0.5;     // of the force
+  bool borne = false;
+  forEachNear(model, tool, posture, time, as_near * kept_share,
+              [&](const Approach& at) { borne |= at.gap < 0 && force.dot(at.out) < -most * force.norm(); });
+  return borne;
 }
 
 ToolsAt stoppedByRigid(const Model& model, const ToolsAt& from, const ToolsAt& wanted, double time, double duration) {
-  if (model.rigid.empty() && model.held.empty()) return wanted;
-  RigidStop stop{time};
-  stop.duration = duration;
+  const RigidStop stop{time, duration};
   ToolsAt tools = wanted;
-  for (std::size_t t = 0; t < static_cast<std::size_t>(tools.count); ++t) {
-    const auto stopped = [&](const ToolPosture& at, double share) {
-      return stop.of(model, static_cast<int>(t), at, between(at, wanted.posture[t], share));
-    };
-    const auto wayLeft = [&](const ToolPosture& at) {
-      return (wanted.posture[t].pose.position - at.pose.position).norm();
-    };
+  for (int t = 0; t < tools.count; ++t) {
+    const auto k = static_cast<std::size_t>(t);
+    ToolPosture at = from.posture[k];
+    const auto go = [&](double share) { at = stop.beforeHeld(model, t, at, between(at, wanted.posture[k], share)); };
+    const auto wayLeft = [&] { return (wanted.posture[k].pose.position - at.pose.position).norm(); };
     // In pieces that see all that they would pass. Twice as many as the straight way has: it may slide.
-    ToolPosture at = from.posture[t];
     const double piece = model.held.empty()
                              ? std::numeric_limits<double>::infinity()
                              : std::max(model.held.least_clearance, 1e-3 * model.scene.discretization.spacing);
-    for (double left = std::ceil(wayLeft(at) / piece) * 2; left >= 1 && wayLeft(at) > piece; --left)
-      at = stopped(at, piece / wayLeft(at));
-    if (wayLeft(at) <= piece) at = stopped(at, 1);
-    tools.posture[t].pose.position = at.pose.position;
-    if (!model.rigid.empty())  // with the last of its turn
-      tools.posture[t] = pushedOut(model, static_cast<int>(t), tools.posture[t], time, stop.farthest);
+    for (double left = std::ceil(wayLeft() / piece) * 2; left >= 1 && wayLeft() > piece; --left) go(piece / wayLeft());
+    if (wayLeft() <= piece) go(1);
+    tools.posture[k].pose.position = at.pose.position;  // with all of its turn
+    tools.posture[k] = stop.amongRigid(model, t, from.posture[k], tools.posture[k]);
   }
   return tools;
 }

@@ -23,18 +23,21 @@ namespace palpate {
 /// The way is that of a tick: what holds the organ further off than it is long, and the clearance, is not seen.
 struct RigidStop {
   double time = 0;                                            // s
+  double duration = 0;                                        // s, of the tick; 0: rigid bodies are where they end
   double farthest = std::numeric_limits<double>::infinity();  // m, that rigid bodies that stand push it back at most
   BoundaryShifts shifts{};                                    // of what holds the organ
-  double duration = 0;  // s, of the tick; 0: rigid bodies are seen at its end only
 
   /// To the bit `wanted` where nothing is in the way. Real-time: no allocation, no lock, no throw.
   /// Test: simulation/rigid_stop_test.cpp
   ToolPosture of(const Model& model, int tool, const ToolPosture& from, const ToolPosture& wanted) const;
+  /// Its two halves, in this order.
+  ToolPosture beforeHeld(const Model& model, int tool, const ToolPosture& from, const ToolPosture& wanted) const;
+  ToolPosture amongRigid(const Model& model, int tool, const ToolPosture& from, const ToolPosture& wanted) const;
 
   /// Whether a tool is in a rigid body all the same: between two, or jaws about one. Real-time.
   bool failsAt(const Model& model, int tool, const ToolPosture& posture) const;
 
-  /// Whether a rigid body, not the hand, bears a force on a tool (N). Real-time.
+  /// Whether a rigid body, not the hand, bears most of a force on a tool (N). Real-time.
   bool bears(const Model& model, int tool, const ToolPosture& posture, const Vec3& force) const;
 };
 
@@ -42,8 +45,7 @@ struct RigidStop {
 void checkToolStarts(const Model& model);
 
 /// RigidStop::of for the tools of a batch solution, whose ways may be long: what holds the organ stops them along all
-/// of it, rigid bodies where it ends.
-/// @param duration  as RigidStop's
+/// of it, then rigid bodies do. @param duration  as RigidStop's
 ToolsAt stoppedByRigid(const Model& model, const ToolsAt& from, const ToolsAt& wanted, double time,
                        double duration = 0);
 

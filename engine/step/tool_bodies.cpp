@@ -39,8 +39,8 @@ ToolHold holdOf(const Model& model, const State& state, int tool, const ToolPost
     on_tissue += force;
     pinch -= force.dot(apartOf(body, was));
   }
-  const RigidStop stop{static_cast<double>(state.step) * model.dt};
-  if (hold.max_force > 0 && stop.bears(model, tool, was, -on_tissue)) hold.max_force = 0;
+  const RigidStop now{static_cast<double>(state.step) * model.dt};
+  if (hold.max_force > 0 && !on_tissue.isZero(0) && now.bears(model, tool, was, -on_tissue)) hold.max_force = 0;
   if (hold.max_force > 0 && on_tissue.norm() > at_limit * hold.max_force) {
     const Vec3 stays = was.pose.position - wanted.pose.position;
     if (stays.dot(on_tissue) < 0) hold.way = stays;
@@ -95,11 +95,11 @@ ToolWays::ToolWays(const Model& model, const State& state, const Command& comman
     const double wanted = largestWay(model, t, from[k], to_[k]);
     if (wanted > reach_[k]) to_[k] = between(from[k], to_[k], reach_[k] / wanted);
     const Vec3 wanted_at = to_[k].pose.position;
-    const RigidStop stop{end, reach_[k], state.region_shift, model.substeps_per_tick * model.dt};
+    const RigidStop stop{end, model.substeps_per_tick * model.dt, reach_[k], state.region_shift};
     to_[k] = stop.of(model, t, from[k], to_[k]);
     stopped_[k] = to_[k].pose.position != wanted_at;
-    if (!stopped_[k]) continue;
     fails_[k] = stop.failsAt(model, t, to_[k]);
+    if (!stopped_[k]) continue;
     reach_[k] = std::max(reach_[k], largestWay(model, t, from[k], to_[k]));
   }
 }

@@ -84,7 +84,7 @@ struct PressedBody : TestBody {
 
   /// Friction holds its nodes from this x on, but the first of them half.
   void holdByFriction(double x) {
-    const double holds = holding_friction * materials[0].shear_modulus;
+    const double holds = held_from * materials[0].shear_modulus;
     for (std::size_t a = 0; a < X.size(); ++a)
       if (X[a].x() > x - 1e-9) friction[a] = static_cast<float>(X[a].x() < x + 1e-9 ? 0.5 * holds : 2 * holds);
   }

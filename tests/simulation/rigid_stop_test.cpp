@@ -126,17 +126,17 @@ TEST_CASE("A tool comes to stand before a rigid body and slides along it", "[sim
   SECTION("a ball over a box") {
     const Model model = test::blockModel(toolBefore(Region::Kind::Box));
     pose.position = Vec3(0.2, 0.01, -0.001);
-    const Pose stopped = RigidStop{0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose;
+    const Pose stopped = RigidStop{0, 0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose;
     CHECK((stopped.position - Vec3(0.2, 0.01, kept)).norm() < 1e-9);
-    const Pose short_of = RigidStop{0, 0.0005}.of(model, 0, {pose, 0}, {pose, 0}).pose;
+    const Pose short_of = RigidStop{0, 0, 0.0005}.of(model, 0, {pose, 0}, {pose, 0}).pose;
     CHECK(short_of.position.z() == Approx(-0.0005));
     pose.position.z() = 0.01;
-    CHECK(RigidStop{0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position == pose.position);  // to the bit
+    CHECK(RigidStop{0, 0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position == pose.position);  // to the bit
   }
   SECTION("a ball beside a ball") {
     const Model model = test::blockModel(toolBefore(Region::Kind::Sphere));
     pose.position = Vec3(0.215, 0, 0.015);
-    const Vec3 middle = RigidStop{0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position + Vec3(0, 0, 0.01);
+    const Vec3 middle = RigidStop{0, 0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position + Vec3(0, 0, 0.01);
     CHECK((middle - Vec3(0.2, 0, 0)).norm() == Approx(0.04 + kept));
   }
   SECTION("a capsule that lies, the middle of its side first") {
@@ -145,7 +145,7 @@ TEST_CASE("A tool comes to stand before a rigid body and slides along it", "[sim
     const Model model = test::blockModel(scene);
     pose.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
     pose.position = Vec3(0.2, -0.042, 0.035);
-    const Vec3 at = RigidStop{0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position;
+    const Vec3 at = RigidStop{0, 0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position;
     CHECK(at.z() == Approx(0.04 + kept).margin(2e-4));
   }
 }

@@ -45,7 +45,8 @@ std::vector<std::uint8_t> nodeDimensions(const NodeCloud& cloud, const FeatureEd
 /// @param dimension  (node_count) 0 .. 3; a border between materials counts as a sheet (2), on the surface as an edge,
 ///                   where it meets a sharp edge as a corner
 /// @param finest     the cloud's own spacing: where that (or less) is wanted all nodes are live
-/// @param pairs      as pairsAcrossAir gives them, of which both are live or neither; empty: none
+/// @param pairs      as pairsAcrossAir gives them, of which both are live or neither where the wanted spacing is
+///                   even; empty: none
 /// Ties go to the lower number; equal bits at each call. Cost ~ n log n with some hundred neighbours a node.
 /// Test: discretization/nodes/nested_cloud_test.cpp
 NestedCloud nestedOrder(const NodeCloud& cloud, std::vector<std::uint8_t> dimension, const SpacingField& finest,

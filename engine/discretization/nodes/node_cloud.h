@@ -33,7 +33,7 @@ struct NodeCloud {
 /// @param surface  closed, outward (see surface_check.h)
 /// @param rims     closed curves on the surface that get nodes as sharp edges do: the borders of imposed regions
 /// @param progress called now and then with the share that is done, 0..1; may throw
-/// @param paired_air  m
+/// @param paired_air  m, wider air than half a spacing that has pairs, too
 /// @param seed     another seed, another cloud of the same quality; the same seed gives the same bits
 /// Throws InputError (place of the spacing field) for spacings that are not positive, exceed the body's
 /// smallest extent, or would need more than 500,000 nodes.

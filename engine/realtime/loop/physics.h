@@ -101,7 +101,7 @@ class TissuePhysics final : public Physics {
   const std::vector<Reaction>& reactions() const { return workspace_->boundary.reaction; }
   Vec3 pinForce(int vertex) const { return workspace_->pin_force.at(vertex); }  // N, likewise
   /// Of the present state (HoldingFriction), for its fields.
-  const AlignedVector<float>& holdingFriction() const {
+  const AlignedVector<float>& holdingFriction() {
     findHoldingFriction(*model_, state_, *workspace_);
     return workspace_->kernel.cell_volume.friction;
   }
