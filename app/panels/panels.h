@@ -72,6 +72,7 @@ struct PanelData {
   std::vector<MaterialView> materials{};
   double friction = 0;         // Coulomb coefficient at present
   std::string certified{};     // how exact the force was found to be (io/certificate.h); empty: not known
+  double certified_error = 0;  // as a share; 0: not known
   std::string input_note{};    // why material and friction can't be changed now; empty: they can
   ColourScale colour_scale{};  // of the picture behind the panels
   ToolDriver driver = ToolDriver::User;

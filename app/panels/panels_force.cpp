@@ -220,8 +220,10 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   drawBodyForces(data);
 
   if (!data.certified.empty())
-    row("Force error", data.certified, colours::text, "as mtled certify measured it against two finer clouds");
-  else if (force.contact_count > 0)
+    row("Force error", data.certified, colours::text,
+        "the largest that mtled certify measured at about this depth, against two finer clouds");
+  // Of a certificate's place another moment may be worse than the one that was measured.
+  if (force.contact_count > 0 && (data.certified_error == 0 || force.expected_error > data.certified_error))
     row("Expected error",
         force.error_force > 0
             ? format(force.expected_error < 0.1 ? "\xC2\xB1%.2g %%" : "\xC2\xB1%.0f %%", 100 * force.expected_error)

@@ -16,6 +16,7 @@
 #include "base/interrupt.h"
 #include "base/key.h"
 #include "base/number_text.h"
+#include "contact/tool.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"
@@ -27,6 +28,7 @@
 #include "setup/free_axes.h"
 #include "setup/tick_cost.h"
 #include "step/resolution.h"
+#include "step/trust.h"
 
 namespace palpate::app {
 
@@ -258,13 +260,12 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       materials_(scene_materials_),
       sent_before_(scene_materials_),
       friction_(scene_.tools[0].friction),
-      certificate_(hasOneWay(scene_) ? readCertificate(certificateFile(findScene(options.scene)), modelHash(model_))
-                                     : std::nullopt),
       forces_(history_seconds) {
   if (const std::string loose = looseWarning(model_); !loose.empty()) log_.warning(loose);
   if (const std::string layer = layerWarning(model_); !layer.empty()) log_.warning(layer);
-  if (const std::string coarse = resolutionWarning(model_); !coarse.empty() && !certificate_) log_.warning(coarse);
-  if (certificate_) log_.info("the force is " + certifiedText(*certificate_, certificate_->deepest()));
+  if (hasOneWay(scene_)) readCertificateOf(findScene(options.scene));
+  const bool certified_small = certified_ && certified_->certificate().worst() < TrustLimits::expected_error;
+  if (const std::string coarse = resolutionWarning(model_); !coarse.empty() && !certified_small) log_.warning(coarse);
   if (const double limit = scene_.force.rate_limit; limit > 0)
     log_.warning(
         format("the force that is shown rises by %.3g N/s at most (force.rate_limit): the tissue's may be "
@@ -315,6 +316,15 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
 }
 
 Session::~Session() = default;
+
+void Session::readCertificateOf(const std::string& scene_file) {
+  std::string refused;
+  std::optional<Certificate> read = readCertificate(certificateFile(scene_file), modelHash(model_), &refused);
+  if (!refused.empty()) log_.info(refused);
+  if (!read) return;
+  log_.info(certifiedWay(*read));
+  certified_.emplace(std::move(*read), touchRadius(scene_.tools[0].shape));
+}
 
 void Session::followScript(const ToolScript& script, SimulationLoopOptions& loop_options) {
   script_motion_.emplace(trajectoryOf(script, model_));
@@ -426,6 +436,7 @@ void Session::takeForces(std::int64_t until_tick) {
     if (model_.tools.several()) loop_->tools().pop(readings);
     if (sample.tick > latest_->status.reset_tick) forces_.add(sample, readings);
     if (searching()) felt_.push_back(sample);
+    if (certified_) certified_->add(sample);
     if (results_ && !attempt([&] { results_->addForce(sample, readings); }))
       log_.error(failure_ + "; the run goes on without it");  // at once, not only at its end
     if (!options_.soak_minutes && !options_.offscreen) {      // else nobody is there to look at them

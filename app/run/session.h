@@ -10,6 +10,7 @@
 #include "app/panels/force_history.h"
 #include "app/panels/log.h"
 #include "app/panels/panels.h"
+#include "app/run/certified_watch.h"
 #include "app/run/device_watch.h"
 #include "app/run/kept_changes.h"
 #include "app/run/options.h"
@@ -18,7 +19,6 @@
 #include "app/run/soak.h"
 #include "app/trainer/task_score.h"
 #include "app/trainer/trainee.h"
-#include "io/certificate.h"
 #include "io/tool_script.h"
 #include "model/model.h"
 #include "realtime/device/device_thread.h"
@@ -155,6 +155,7 @@ class Session {
   void takeForces(std::int64_t until_tick);
   void fail(const std::string& reason);
   void takeEvent(const LogEvent& event);
+  void readCertificateOf(const std::string& scene_file);
   void beginSearch();
   void followSearch();
   void takeSaid(const LogEvent& event);
@@ -179,7 +180,7 @@ class Session {
   std::vector<Material> materials_;    // (material_count) present
   std::vector<Material> sent_before_;  // (material_count) before the last request, should it be refused
   double friction_ = 0;
-  std::optional<Certificate> certificate_;  // of this very model
+  std::optional<CertifiedWatch> certified_;  // of this very model
   std::optional<Soak> soak_;
   std::optional<ScriptMotion> script_motion_;
   std::optional<Trainee> trainee_;

@@ -117,9 +117,12 @@ PanelData Session::panelData(const Snapshot& snapshot) const {
   const auto isStiffAs = [](const Material& a, const Material& b) {
     return std::equal(std::begin(a.value), std::end(a.value), std::begin(b.value));
   };
-  if (certificate_ && friction_ == scene_.tools[0].friction &&
-      std::equal(materials_.begin(), materials_.end(), scene_materials_.begin(), isStiffAs))
-    data.certified = certifiedText(*certificate_, snapshot.force.advance_m);
+  if (certified_ && certified_->holds(snapshot.force.tick) && friction_ == scene_.tools[0].friction &&
+      std::equal(materials_.begin(), materials_.end(), scene_materials_.begin(), isStiffAs)) {
+    const Certificate& certificate = certified_->certificate();
+    data.certified = certifiedText(certificate, snapshot.force.advance_m);
+    if (const Certificate::Row* row = certificate.at(snapshot.force.advance_m)) data.certified_error = row->bound();
+  }
   data.frozen_reason = frozen_reason_;
   data.task = task();
   data.revealed = revealed_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/printable_text.h"
 #include "base/types.h"
@@ -56,7 +57,11 @@ std::vector<ForceRow> readForceRows(const std::string& path, bool advance) {
     const double size = is_vector ? Vec3(first, table["force_raw_N_y"][r], table["force_raw_N_z"][r]).norm() : first;
     const ForceRow read{depth->scale * table[depth->name][r], force->scale * size,
                         table.find("time_s") < 0 ? 0 : table["time_s"][r]};
-    if (!std::isfinite(read.depth) || !std::isfinite(read.force)) continue;
+    for (const auto& [what, value] :
+         {std::pair{"depth", read.depth}, std::pair{"force", read.force}, std::pair{"time", read.time}})
+      if (!std::isfinite(value))
+        throw InputError({table.file, table.line[r], 0}, std::string("the ") + what + " is no number",
+                         "give it, or leave the row out");
     rows.push_back(read);
     pushed += std::max(0.0, read.depth) * read.force;
   }

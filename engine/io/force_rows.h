@@ -11,8 +11,8 @@ struct ForceRow {
 };
 
 /// Reads a CSV file (readCsvTable) with columns depth_m or depth_mm and force_N, force_mN or the three of force.csv's
-/// raw force, perhaps time_s; or two columns without a header, mm and N. Rows without a number are left out, and a
-/// push counts as positive, whatever the file's sign. Throws InputError with file and line.
+/// raw force, perhaps time_s; or two columns without a header, mm and N. A push counts as positive, whatever the file's
+/// sign. Throws InputError with file and line, where a row lacks a number too.
 /// @param advance  a column advance_m goes before the depth's
 std::vector<ForceRow> readForceRows(const std::string& path, bool advance);
 

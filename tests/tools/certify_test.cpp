@@ -15,33 +15,42 @@
 using namespace palpate;
 using namespace palpate::tools;
 
-TEST_CASE("A certificate's error is that against the limit of two finer clouds, up to each depth", "[certify]") {
+TEST_CASE("A certificate's error is the largest of its depth, against the limit of two finer clouds", "[certify]") {
   const Model model = test::blockModel();
   constexpr int ticks = 100;
   constexpr double ratio = 1.5, deepest = 0.004;
   ToolTrajectory way;
   ScriptedRun run;
   ConvergedRun converged;
-  const double coarse = 4, fine = 1, coarser = fine * ratio * ratio;  // % too stiff, of second order in the spacing
+  // Too stiff, by less the deeper; the finer ones of second order in the spacing.
+  const auto coarse = [](double depth) { return 0.0001 / depth; };
+  const double fine = 0.01, coarser = fine * ratio * ratio;
   for (int k = 1; k <= ticks; ++k) {
     const double depth = deepest * k / ticks, truth = 100 * depth;
     way.emplace_back()[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + depth);
-    run.force.emplace_back(0, 0, truth * (1 + 0.01 * coarse));
-    converged.run.force.emplace_back(0, 0, truth * (1 + 0.01 * fine));
-    converged.coarser.force.emplace_back(0, 0, truth * (1 + 0.01 * coarser));
+    run.force.emplace_back(0, 0, truth * (1 + coarse(depth)));
+    converged.run.force.emplace_back(0, 0, truth * (1 + fine));
+    converged.coarser.force.emplace_back(0, 0, truth * (1 + coarser));
   }
   const auto rows = certifiedRows(advances(model, way), run, converged, ratio, 4);
   REQUIRE(rows.size() == 4);
   for (std::size_t r = 0; r < 4; ++r) {
-    const double depth = deepest * static_cast<double>(r + 1) / 4;
+    const double depth = deepest * static_cast<double>(r + 1) / 4,
+                 begin = r == 0 ? 0.2 * depth : depth - deepest / 4;  // without the lightest fifth
     CHECK(rows[r].advance == Approx(depth));
     CHECK(rows[r].force == Approx(100 * depth));  // extrapolated to the limit itself
-    // Root mean square of what grows evenly, over its largest.
-    CHECK(rows[r].error == Approx(0.01 * coarse / std::sqrt(3)).epsilon(0.05));
-    CHECK(rows[r].uncertainty == Approx(0.01 * fine / std::sqrt(3)).epsilon(0.05));
+    CHECK(rows[r].scene_force == Approx(100 * depth * (1 + coarse(depth))));
+    CHECK(rows[r].error >= coarse(depth));
+    CHECK(rows[r].error == Approx(coarse(begin + deepest / ticks)).epsilon(r == 0 ? 0.21 : 0.01));
+    CHECK(rows[r].uncertainty == Approx(fine));
   }
   converged.about.layer_error = 0.2;  // not even the finest cloud sees all of a thin layer
   CHECK(certifiedRows(advances(model, way), run, converged, ratio, 1).at(0).uncertainty == Approx(0.2));
+
+  const std::vector<Pose> poses = certifiedPoses(model, way);
+  CHECK(poses.size() > 2);
+  CHECK(poses.size() < 10);
+  CHECK(poses.back().position == way.back()[0].pose.position);
 }
 
 TEST_CASE("certify leaves a certificate of the scene's own model beside it", "[certify][whole]") {
@@ -58,10 +67,11 @@ TEST_CASE("certify leaves a certificate of the scene's own model beside it", "[c
   CHECK(certificate->deepest() > 0.003);
   for (const Certificate::Row& row : certificate->row) {
     CHECK(row.error > 0);
-    CHECK(row.error < 1);
+    CHECK(row.scene_force > 0);
     CHECK(row.uncertainty >= 0);
   }
   CHECK(certificate->row.back().error < certificate->row.front().error);
+  CHECK(certificate->isOnWay(test::toolAt(model, model.tools.first().first_contact_travel + 0.002), 0.002, 1e-3));
   CHECK(certificate->displacement_error > 0);
   CHECK(certificate->displacement_error < 0.2);
 }

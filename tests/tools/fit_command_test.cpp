@@ -89,7 +89,7 @@ TEST_CASE("The force error that fit expects, or certify states, is within a fact
         convergedRun(model, way, probes, places, {0.95 * fineness.outside, 0.78 * fineness.inside, 1.35}, 1, quiet);
     for (const FitCandidate& c : candidates) {
       REQUIRE(c.run.sound());
-      const double expected = expectedError(errorOf(c.run, converged.run), converged, fineness.coarser),
+      const double expected = expectedError(errorOf(c.run, converged.run), converged, fineness.coarser).force,
                    measured = errorOf(c.run, finer.run).force;
       CAPTURE(seed, c.family, c.nodes, converged.about.nodes, finer.about.nodes, expected, measured,
               converged.about.convergence.force);
@@ -266,10 +266,16 @@ TEST_CASE("Where the cloud follows, the spacing near the tool is what a fit sear
   CHECK(errorOf(wide.run, close.run).force > 0);
   CHECK(errorOf(wide.run, close.run).force < 0.2);
 
-  if (fitCommand(options) == 0) {  // else another program held the machine
+  const int code = fitCommand(options);
+  REQUIRE(std::filesystem::exists(options.out));
+  {
     const Scene fitted = readScene(options.out);
     std::ifstream in(options.json);
     const auto json = nlohmann::json::parse(in);
+    CHECK(json.at("rate_held") == (code == 0));
+    const std::string text = readAll(options.out);
+    CHECK(text.starts_with("# Not confirmed: 100 Hz") == (code == 1));  // another program held the machine
+    CHECK(json.at("expected_largest_force_error") > 0);
     CHECK(fitted.discretization.follow);
     CHECK(fineSpacing(fitted) == Approx(json.at("spacing_m").get<double>()).epsilon(1e-5));
     CHECK(fitted.dynamics.threads == 1);
@@ -316,9 +322,11 @@ TEST_CASE("An interrupted fit says how to go on, and goes on only with what is i
 TEST_CASE("A coarser reference counts for what it lacks", "[fit]") {
   ConvergedRun converged;
   converged.about.convergence.force = 0.03;
-  CHECK(expectedError({0.04, 0}, converged, 2) == Approx(std::hypot(0.04, 0.01)));
+  converged.about.convergence.loaded = 0.12;
+  CHECK(expectedError({0.04, 0, 0.3}, converged, 2).force == Approx(std::hypot(0.04, 0.01)));
+  CHECK(expectedError({0.04, 0, 0.3}, converged, 2).loaded == Approx(std::hypot(0.3, 0.04)));
   converged.about.convergence.force = 0;
-  CHECK(expectedError({0.04, 0}, converged, 2) == Approx(0.04));
+  CHECK(expectedError({0.04, 0, 0.3}, converged, 2).force == Approx(0.04));
   converged.about.layer_error = 0.2;  // nor does the reference see all of a thin layer
-  CHECK(expectedError({0.04, 0}, converged, 2) == Approx(0.2));
+  CHECK(expectedError({0.04, 0, 0.3}, converged, 2).force == Approx(0.2));
 }

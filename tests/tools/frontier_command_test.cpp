@@ -64,7 +64,8 @@ TEST_CASE("A frontier comes back from its JSON, and damaged JSON is told", "[fro
   CHECK_THROWS_AS(frontierFromJson("{}"), std::runtime_error);
 }
 
-TEST_CASE("Errors are measured against the better run's largest force and displacement", "[frontier]") {
+TEST_CASE("Errors are measured against the better run's largest force and displacement, and its loaded ticks' own",
+          "[frontier]") {
   ScriptedRun better, run;
   better.force = {Vec3::Zero(), Vec3(0, 0, 1), Vec3(0, 0, 2)};
   better.probe_u = {Vec3(0, 0, -0.01), Vec3::Zero()};
@@ -76,8 +77,31 @@ TEST_CASE("Errors are measured against the better run's largest force and displa
   run.probe_u[1] = Vec3(0.001, 0, 0);
   CHECK(errorOf(run, better).force == Approx(0.2 / std::sqrt(2.0) / 2));
   CHECK(errorOf(run, better).displacement == Approx(0.1 / std::sqrt(2.0)));
+  CHECK(errorOf(run, better).loaded == Approx(0.1));
+  run.force[1] = Vec3(0, 0.3, 1);  // half of the largest
+  CHECK(errorOf(run, better).loaded == Approx(0.3));
+  better.force[1] = Vec3(0, 0, 0.9);  // less
+  CHECK(errorOf(run, better).loaded == Approx(0.1));
   run.force.pop_back();
   CHECK(std::isnan(errorOf(run, better).force));  // it ended early
+}
+
+TEST_CASE("A force trembles that jumps from tick to tick while the tool stands, not one that relaxes", "[frontier]") {
+  constexpr int moving = 20, standing = 40;
+  ToolTrajectory way;
+  ScriptedRun relaxes, trembles;
+  for (int k = 0; k < moving + standing; ++k) {
+    way.emplace_back()[0].pose.position.z() = -1e-4 * std::min(k, moving);
+    const double force = k < moving ? 1e-2 * k * k : 4 - 0.5 * (k - moving) / standing;
+    relaxes.force.emplace_back(0, 0, force);
+    trembles.force.emplace_back(0, 0, force + (k % 2 == 0 ? 0.04 : -0.04));
+  }
+  CHECK(trembleOf(relaxes, way) < 1e-9);
+  CHECK(trembleOf(trembles, way) == Approx(0.04 * 4 / std::sqrt(6) / 4.04).epsilon(0.01));
+  CHECK(trembleOf(trembles, way) > largest_tremble);
+  way.resize(moving + 5);
+  trembles.force.resize(moving + 5);
+  CHECK(trembleOf(trembles, way) == 0);  // it moves, or hardly stands
 }
 
 TEST_CASE("Each setting turns something, has a name of its own, and the first is the scene as it is", "[frontier]") {

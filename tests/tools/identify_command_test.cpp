@@ -426,6 +426,8 @@ TEST_CASE("A file that is no force curve is refused with its place", "[identify]
   CHECK_THAT(refused("depth_m,force_N\n0.001,x\n"),
              Contains("f.csv:2:7: \"x\" is not a number") && Contains("force_N"));
   CHECK_THAT(refused("depth_m,force_N\n0.001,1\n-1,2\n"), Contains("only 1 rows on the way in"));
+  CHECK_THAT(refused("depth_m,force_N\n0.001,1\n0.002,nan\n"), Contains("f.csv:3: the force is no number"));
+  CHECK_THAT(refused("depth_m,force_N\n0.001,1\n,2\n"), Contains("f.csv:3: the depth is no number"));
   const MeasuredCurve from_spreadsheet = readForceCurve(
       folder.write("f.csv", "\xEF\xBB\xBFwhat;depth_mm;force_mN\nin;1,5;20\nin;2;30\nin;2,5;40\nin;3;50\nin;3,5;60\n"));
   CHECK(from_spreadsheet.depth.front() == Approx(0.0015));

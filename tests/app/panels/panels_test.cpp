@@ -91,6 +91,8 @@ class Panels {
   Rect demo_place_;
   ImVec2 mouse_{-1e6F, -1e6F};
   std::optional<TaskScore> task_;
+  std::string certified_;
+  double certified_error_ = 0;
 
   /// A press of the left button there, and what it asks for.
   UserActions click(float x, float y, int width, int height) {
@@ -115,6 +117,8 @@ class Panels {
     data.out_of_view = out_of_view_;
     data.timeline = timeline_;
     data.task = task_ ? &*task_ : nullptr;
+    data.certified = certified_;
+    data.certified_error = certified_error_;
     data.frozen_reason = "12 integration points are inverted";
     return data;
   }
@@ -306,6 +310,28 @@ TEST_CASE("While the force is good, what was doubted of it before is told, unles
   sample.error_by = 0;
   add(1, Doubt::None, 0.01);
   CHECK(told("doubted: resolution"));
+}
+
+TEST_CASE("A certificate stands beside the force, and does not hide a larger error that is expected", "[panels]") {
+  Panels panels;
+  const auto told = [&](const char* what) { return panels.cards().find(what) != std::string::npos; };
+  ForceSample& force = panels.snapshot_.force;
+  force.contact_count = panels.force_.sample.contact_count = 5;
+  panels.force_.sample.error_force = 0.1;
+  panels.force_.sample.expected_error = 0.02;
+  CHECK(told("Expected error"));
+  CHECK_FALSE(told("Force error"));
+  panels.certified_ = "±3 % (certified to 7 mm)";
+  panels.certified_error_ = 0.03;
+  CHECK(told("Force error"));
+  CHECK_FALSE(told("Expected error"));
+  panels.force_.sample.expected_error = 0.85;
+  CHECK(told("Force error"));
+  CHECK(told("Expected error"));
+  panels.force_.sample.expected_error = 0.02;
+  panels.certified_ = "beyond the certified 7 mm";
+  panels.certified_error_ = 0;
+  CHECK(told("Expected error"));
 }
 
 TEST_CASE("A slider's value stands above it, where no handle hides it, and is rounded to what is told", "[panels]") {

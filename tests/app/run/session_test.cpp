@@ -12,7 +12,11 @@
 #include <utility>
 
 #include "app/run/run_files.h"
+#include "io/certificate.h"
 #include "io/indent_script.h"
+#include "io/load_model.h"
+#include "io/scene_file.h"
+#include "model/model_hash.h"
 #include "support/block_text.h"
 #include "support/captured_output.h"
 #include "support/realtime_guard.h"
@@ -486,6 +490,46 @@ TEST_CASE("What happened in the run has the run's time in the log, all else none
   CHECK(log.lines()[1].run_s == 1.5);
   CHECK(log.lines()[1].text == "late");
   CHECK(log.lines()[2].text == "made");
+}
+
+TEST_CASE("A certificate is shown where it was pressed, and hushes the warning of coarse nodes where errors are small",
+          "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = options.as_fast_as_possible = true;
+  options.scene = folder.write("block.toml", test::touched_block_text);
+  options.out = folder.path("out");
+  Certificate certificate;
+  certificate.model_hash = modelHash(loadModel(palpate::readScene(options.scene)));
+  certificate.way = {{Vec3(0, 0, 0.031), Quat::Identity()}, {Vec3(0, 0, 0.026), Quat::Identity()}};
+  certificate.row = {{0.004, 0.1, 0.1, 0.02, 0.01}};
+  const CapturedOutput printed;
+  const auto certifiedAfter = [&](const std::string& slide) {
+    writeCertificate(certificateFile(options.scene), certificate);
+    options.tool_script = folder.write("press.toml", "[[keyframe]]\ntime = 0.1\nadvance = -0.001\n" + slide +
+                                                         "[[keyframe]]\ntime = 0.2\nadvance = 0.003\n" + slide);
+    Log log;
+    Session session(options, app::readScene(options), log);
+    session.start();
+    while (!session.finished()) session.gather();
+    session.finish();
+    const PanelData data = session.panelData(session.latest());
+    CHECK(data.certified_error == (data.certified.empty() ? 0 : Approx(0.03)));
+    std::string lines;
+    for (const LogLine& line : log.lines()) lines += line.text + "\n";
+    return std::pair(data.certified, lines);
+  };
+  const auto [here, lines] = certifiedAfter("");
+  CHECK(here == "±3 % (certified to 4 mm)");
+  CHECK_THAT(lines, Catch::Contains("±3 % of it at 4 mm") && !Catch::Contains("coarse for what touches"));
+  certificate.row[0].error = 0.2;
+  const auto [away, warned] = certifiedAfter("slide = [0.015, 0]\n");
+  CHECK(away.empty());
+  CHECK_THAT(warned, Catch::Contains("±21 %") && Catch::Contains("coarse for what touches"));
+  certificate.model_hash += 1;
+  const auto [none, why] = certifiedAfter("");
+  CHECK(none.empty());
+  CHECK_THAT(why, Catch::Contains("block.certificate.json is not used"));
 }
 
 TEST_CASE("All that a picture shows is of one tick, however seldom and slowly pictures are drawn", "[session]") {

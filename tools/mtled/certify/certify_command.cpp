@@ -11,6 +11,7 @@
 #include "base/interrupt.h"
 #include "base/number_text.h"
 #include "base/parallel_for.h"
+#include "contact/tool.h"
 #include "io/certificate.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
@@ -44,12 +45,39 @@ std::vector<double> times(const Model& model, const ToolTrajectory& way) {
   return time;
 }
 
+/// What counts of a tick, N: of all its forces together.
+struct TickForces {
+  double own = 0, truth = 0;         // sizes: of the run's forces, and of what the finer runs extrapolate to
+  double difference = 0, lacks = 0;  // between these; of the finest run
+};
+
+std::vector<TickForces> tickForces(const ScriptedRun& run, const ConvergedRun& converged, double ratio,
+                                   std::size_t ticks) {
+  const double beyond = 1 / (ratio * ratio - 1);
+  const std::size_t forces = run.force.size() / ticks;
+  std::vector<TickForces> result;
+  for (std::size_t k = 0; k < ticks; ++k) {
+    TickForces sum;
+    for (std::size_t f = forces * k; f < forces * (k + 1); ++f) {
+      const Vec3 lacking = beyond * (converged.run.force[f] - converged.coarser.force[f]),
+                 truth = converged.run.force[f] + lacking;
+      sum.own += run.force[f].squaredNorm();
+      sum.truth += truth.squaredNorm();
+      sum.difference += (run.force[f] - truth).squaredNorm();
+      sum.lacks += lacking.squaredNorm();
+    }
+    result.push_back({std::sqrt(sum.own), std::sqrt(sum.truth), std::sqrt(sum.difference), std::sqrt(sum.lacks)});
+  }
+  return result;
+}
+
 void printRows(const Certificate& certificate, bool by_time) {
-  std::printf(by_time ? "  to the time of  largest force   rms error   not known\n"
-                      : "  to a depth of   largest force   rms error   not known\n");
+  std::printf("%s     true force   scene\'s force   too large by   largest error   not known\n",
+              by_time ? "  to the time of" : "  to a depth of");
   for (const Certificate::Row& r : certificate.row)
-    std::printf("%13.2f %s %13.4f N %10.2f %% %10.2f %%\n", by_time ? r.advance : 1e3 * r.advance,
-                by_time ? "s " : "mm", r.force, 100 * r.error, 100 * r.uncertainty);
+    std::printf("%13.2f %s %12.4f N %13.4f N %12.2f %% %13.2f %% %9.2f %%\n", by_time ? r.advance : 1e3 * r.advance,
+                by_time ? "s " : "mm", r.force, r.scene_force, 100 * (r.scene_force / r.force - 1), 100 * r.error,
+                100 * r.uncertainty);
 }
 
 }  // namespace
@@ -63,30 +91,49 @@ std::vector<double> advances(const Model& model, const ToolTrajectory& way) {
   return advance;
 }
 
+std::vector<Pose> certifiedPoses(const Model& model, const ToolTrajectory& way) {
+  constexpr double step = 0.1, turn = 0.017;  // of the touching radius; rad
+  const double radius = touchRadius(model.tools.first().shape);
+  std::vector<Pose> poses;
+  for (const ToolPostures& tools : way) {
+    const Pose& at = tools[0].pose;
+    if (poses.empty() || &tools == &way.back() || (at.position - poses.back().position).norm() > step * radius ||
+        at.orientation.angularDistance(poses.back().orientation) > turn)
+      poses.push_back(at);
+  }
+  return poses;
+}
+
 std::vector<Certificate::Row> certifiedRows(const std::vector<double>& advance, const ScriptedRun& run,
                                             const ConvergedRun& converged, double ratio, int count) {
+  constexpr double least_force = 0.2, rounding = 1e-9;
   const double deepest = std::max(0.0, *std::max_element(advance.begin(), advance.end()));
-  const double beyond = 1 / (ratio * ratio - 1);
-  const std::size_t forces = run.force.size() / advance.size();
+  const std::vector<TickForces> forces = tickForces(run, converged, ratio, advance.size());
   std::vector<Certificate::Row> rows;
+  double from = -INFINITY;
   for (int r = 1; r <= count; ++r) {
     Certificate::Row row;
     row.advance = deepest * r / count;
-    double error = 0, unknown = 0;
-    int felt = 0;
-    for (std::size_t k = 0; k < run.force.size(); ++k) {
-      if (advance[k / forces] > row.advance * (1 + 1e-9)) continue;
-      const Vec3 lacking = beyond * (converged.run.force[k] - converged.coarser.force[k]),
-                 truth = converged.run.force[k] + lacking;
-      if (truth.isZero(0) && run.force[k].isZero(0)) continue;
-      row.force = std::max(row.force, truth.norm());
-      error += (run.force[k] - truth).squaredNorm();
-      unknown += lacking.squaredNorm();
-      ++felt;
+    std::vector<std::size_t> ticks;  // between this row and the one before
+    double largest = 0, end = -INFINITY;
+    for (std::size_t k = 0; k < advance.size(); ++k) {
+      if (advance[k] <= from || advance[k] > row.advance * (1 + rounding)) continue;
+      ticks.push_back(k);
+      largest = std::max(largest, forces[k].truth);
     }
-    if (felt == 0 || row.force == 0) continue;
-    row.error = std::sqrt(error / felt) / row.force;
-    row.uncertainty = std::max(std::sqrt(unknown / felt) / row.force, converged.about.layer_error);
+    from = row.advance * (1 + rounding);
+    if (largest == 0) continue;
+    row.uncertainty = converged.about.layer_error;
+    for (const std::size_t k : ticks) {
+      const TickForces& at = forces[k];
+      if (at.truth < least_force * largest) continue;
+      row.error = std::max(row.error, at.difference / at.truth);
+      row.uncertainty = std::max(row.uncertainty, at.lacks / at.truth);
+      if (advance[k] < end) continue;
+      end = advance[k];
+      row.force = at.truth;
+      row.scene_force = at.own;
+    }
     rows.push_back(row);
   }
   return rows;
@@ -132,6 +179,7 @@ int certifyCommand(const CertifyOptions& options) {
   Certificate certificate;
   certificate.model_hash = modelHash(model);
   certificate.script = options.tool_script;
+  certificate.way = certifiedPoses(model, way);
   certificate.row =
       certifiedRows(one_way ? advances(model, way) : times(model, way), run, converged, fineness.coarser, row_count);
   certificate.displacement_error = errorOf(run, converged.run).displacement;

@@ -20,7 +20,8 @@ struct FitOptions {
 /// that a tick has time for, at several supports, with a point for each cell or less, evenly and with nodes dense
 /// where the tool works; of these the one closest to a converged
 /// solution. Prints what it expects of the force's error, and how much of a tick is left.
-/// What was tried is kept beside the scene: OUT.fit.json and OUT.reference.json.
+/// What was tried is kept beside the scene: OUT.fit.json and OUT.reference.json. Where the real-time loop does not hold
+/// the rate, what was tried there last is written all the same, and its first line says that it is not confirmed.
 /// @return 0 done, 1 no setting holds the rate, or interrupted
 /// Throws InputError for unusable input, std::runtime_error where a file can't be written.
 int fitCommand(const FitOptions& options);

@@ -132,9 +132,13 @@ Fineness fitFineness(double outside, double inside) {
   return {0.85 * outside, std::min(0.5 * outside, 0.75 * inside), 1.35};
 }
 
-double expectedError(const RunError& error, const ConvergedRun& converged, double coarser) {
-  const double lacking = converged.about.convergence.force / (coarser * coarser - 1);
-  return std::max(std::hypot(error.force, lacking), converged.about.layer_error);
+RunError expectedError(const RunError& error, const ConvergedRun& converged, double coarser) {
+  const auto expected = [&](double distance, double of_reference) {
+    const double lacking = of_reference / (coarser * coarser - 1);
+    return std::max(std::hypot(distance, lacking), converged.about.layer_error);
+  };
+  const RunError& reference = converged.about.convergence;
+  return {.force = expected(error.force, reference.force), .loaded = expected(error.loaded, reference.loaded)};
 }
 
 }  // namespace palpate::tools

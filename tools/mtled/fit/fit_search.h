@@ -22,8 +22,8 @@ std::vector<FitFamily> fitFamilies(const Scene& scene, const std::vector<Contact
 struct FitCandidate : FitTry {
   double inside = 1;  // of its family
   Scene scene;
-  RunError error;             // against the converged run
-  double expected_error = 0;  // of the force, against the truth
+  RunError error;     // against the converged run
+  RunError expected;  // of the force, against the truth
 };
 
 struct FitTask {
@@ -48,10 +48,10 @@ FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double s
 /// @param outside, inside  finest spacing of any of them elsewhere and where the tool works, times the scene's
 Fineness fitFineness(double outside, double inside);
 
-/// The force error to expect: the distance from the reference and what the reference itself lacks. A solution that
+/// The force errors to expect: the distance from the reference and what the reference itself lacks. A solution that
 /// converges with
 /// the square of the spacing is 1 / (r^2 - 1) of its distance from one r times as coarse away from the limit. No less
 /// than what the reference does not see of a thin layer.
-double expectedError(const RunError& error, const ConvergedRun& converged, double coarser);
+RunError expectedError(const RunError& error, const ConvergedRun& converged, double coarser);
 
 }  // namespace palpate::tools

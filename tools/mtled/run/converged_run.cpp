@@ -45,6 +45,11 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
     if (!run.sound())
       throw std::runtime_error(
           "the reference solution is not sound: the tool's way is beyond what the scene can follow");
+    if (const double tremble = trembleOf(run, way); tremble > largest_tremble)
+      throw std::runtime_error(format(
+          "the reference solution is not sound: while the tool stands at the end of its way the force trembles by "
+          "%.2g %%; a way that goes less deep (--tool), or a rounder tool, would do",
+          100 * tremble));
     const double peak = run.peakForce();
     if (peak == 0) throw std::runtime_error("no tool touches the organ on this way, so there is no force to compare");
     if (!fine) {
@@ -66,6 +71,7 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
 void writeConvergedRun(const std::string& file, const ConvergedRun& c, const std::string& identity) {
   Json json = {{"identity", identity},
                {"layer_error", c.about.layer_error},
+               {"loaded_force_distance", c.about.convergence.loaded},
                {"force_N", vectorsToJson(c.run.force)},
                {"probe_u_m", vectorsToJson(c.run.probe_u)}};
   eachReferenceField(c.about, [&](const char* name, const auto& value) { json[name] = value; });
@@ -80,6 +86,7 @@ bool readConvergedRun(const std::string& file, const std::string& identity, Conv
     ConvergedRun c;
     eachReferenceField(c.about, [&](const char* name, auto& value) { j.at(name).get_to(value); });
     c.about.layer_error = j.at("layer_error");
+    c.about.convergence.loaded = j.at("loaded_force_distance");
     c.run.force = vectorsFromJson(j.at("force_N"));
     c.run.probe_u = vectorsFromJson(j.at("probe_u_m"));
     converged = std::move(c);

@@ -43,7 +43,7 @@ struct Fineness {
 /// The scene at that fineness, each cell with a point of its own, with a step of at most 0.4 of the critical one.
 /// @param places  where the tools work
 /// @param watch  told what is done (fraction of it, text)
-/// Throws std::runtime_error where the finer run is not sound.
+/// Throws std::runtime_error where one of the runs is not sound, or its force trembles (trembleOf).
 ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const std::vector<Vec3>& probes,
                           const std::vector<ContactRegion>& places, const Fineness& fineness, int threads,
                           const std::function<void(double, const std::string&)>& watch);

@@ -173,7 +173,7 @@ double relativeL2(const std::vector<Vec3>& computed, const std::vector<Vec3>& re
 }
 
 RunError errorOf(const ScriptedRun& run, const ScriptedRun& better) {
-  if (run.force.size() != better.force.size() || run.probe_u.size() != better.probe_u.size()) return {NAN, NAN};
+  if (run.force.size() != better.force.size() || run.probe_u.size() != better.probe_u.size()) return {NAN, NAN, NAN};
   double sum = 0, largest = 0;
   int count = 0;
   for (std::size_t k = 0; k < better.force.size(); ++k) {
@@ -185,6 +185,11 @@ RunError errorOf(const ScriptedRun& run, const ScriptedRun& better) {
   }
   RunError error;
   error.force = count > 0 ? std::sqrt(sum / count) / largest : NAN;
+  for (std::size_t k = 0; k < better.force.size(); ++k) {
+    const double size = better.force[k].norm();
+    if (size > 0 && size >= 0.5 * largest)
+      error.loaded = std::max(error.loaded, (run.force[k] - better.force[k]).norm() / size);
+  }
   sum = largest = 0;
   for (std::size_t k = 0; k < better.probe_u.size(); ++k) {
     largest = std::max(largest, better.probe_u[k].norm());
@@ -192,6 +197,26 @@ RunError errorOf(const ScriptedRun& run, const ScriptedRun& better) {
   }
   error.displacement = largest > 0 ? std::sqrt(sum / static_cast<double>(better.probe_u.size())) / largest : NAN;
   return error;
+}
+
+double trembleOf(const ScriptedRun& run, const ToolTrajectory& way) {
+  constexpr std::ptrdiff_t least_ticks = 10;
+  const auto stands = [&](const ToolPostures& tools) {
+    for (std::size_t t = 0; t < tools.size(); ++t)
+      if (tools[t].pose.position != way.back()[t].pose.position || tools[t].opening != way.back()[t].opening ||
+          !tools[t].pose.orientation.isApprox(way.back()[t].pose.orientation))
+        return false;
+    return true;
+  };
+  const auto standing = std::find_if_not(way.rbegin(), way.rend(), stands) - way.rbegin();
+  const double peak = run.peakForce();
+  if (standing < least_ticks || peak == 0) return 0;
+  const std::size_t forces = run.force.size() / way.size(), end = run.force.size(),
+                    begin = end - static_cast<std::size_t>(standing / 2) * forces;
+  double sum = 0;
+  for (std::size_t k = begin + 2 * forces; k < end; ++k)
+    sum += (run.force[k] - 2 * run.force[k - forces] + run.force[k - 2 * forces]).squaredNorm();
+  return std::sqrt(sum / 6 / static_cast<double>((end - begin) / forces - 2)) / peak;  // of noise of variance 1: 6
 }
 
 RunCost costOf(const ScriptedRun& run, double rate_hz) {

@@ -71,8 +71,16 @@ struct RunError {
   double force =
       0;  // root mean square of the difference over the ticks with contact in `better`, over its largest force
   double displacement = 0;  // root mean square over the probes at the end, over the largest there
+  double loaded = 0;        // largest |difference| / |force| while the force is at least half of its largest
 };
 RunError errorOf(const ScriptedRun& run, const ScriptedRun& better);
+
+/// How much forces tremble from tick to tick in the last half of the time that the tools stand at the end of their way,
+/// over the largest: a standard deviation, of second differences, so that relaxation does not count. 0: they do not
+/// stand there for ten ticks. (Runs that settle: below 3e-4; flat punches pressed beyond their radius, where contact
+/// never settles and the force is up to a fifth too large: 0.03.)
+double trembleOf(const ScriptedRun& run, const ToolTrajectory& way);
+inline constexpr double largest_tremble = 0.003;  // of a force that is to be believed
 
 /// sqrt(sum |computed - reference|^2 / sum |reference|^2)
 double relativeL2(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference);
