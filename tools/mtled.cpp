@@ -188,7 +188,10 @@ CLI::App* addFollow(CLI::App& app, FollowOptions& options) {
 CLI::App* addFit(CLI::App& app, FitOptions& options) {
   CLI::App* command =
       app.add_subcommand("fit", "Find the most accurate setting of a scene that holds a rate on this machine");
-  command->footer(examplesOf(*command));
+  command->footer(
+      examplesOf(*command) +
+      "\n\nExit codes: 0 found and held in the real-time loop, 1 not held (the scene is written all the same, "
+      "and\nsays so), or interrupted, 2 bad option, file or scene.");
   command->add_option("SCENE", options.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
   command->add_option("--rate", options.rate_hz, "Ticks a second (the scene's)")
       ->type_name("HZ")
@@ -233,8 +236,11 @@ CLI::App* addBatch(CLI::App& app, BatchOptions& options) {
 CLI::App* addCertify(CLI::App& app, CertifyOptions& options) {
   CLI::App* command =
       app.add_subcommand("certify", "Measure how exact a scene's force is, over depth, against two finer clouds");
-  command->footer(examplesOf(*command) +
-                  "\n\nWritten beside the scene; palpate shows it as long as nothing of the scene is changed.");
+  command->footer(
+      examplesOf(*command) +
+      "\n\nFor each depth the force, the scene's own, and the largest error since the depth before, as a share "
+      "of\nthe force. Written beside the scene; palpate shows it where the tool keeps to the certified way, as "
+      "long\nas nothing of the scene is changed.");
   command->add_option("SCENE", options.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
   command->add_option("--tool", options.tool_script, "Tool script, or the name of one in assets/tools")
       ->type_name("SCRIPT");

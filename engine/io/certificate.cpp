@@ -16,7 +16,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr int format_number = 2;         // of the file
 constexpr double largest_turn = 0.0873;  // rad, 5 degrees
-constexpr double least_share = 0.5;      // of the first row's advance, from which on it holds
 
 double distanceToSegment(const Vec3& x, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
@@ -56,7 +55,7 @@ Certificate certificateOf(const Json& json) {
 
 const Certificate::Row* Certificate::at(double advance) const {
   const auto found = std::find_if(row.begin(), row.end(), [=](const Row& r) { return advance <= r.advance; });
-  return found == row.end() || advance < least_share * row.front().advance ? nullptr : &*found;
+  return found == row.end() || advance < first_from * row.front().advance ? nullptr : &*found;
 }
 
 double Certificate::worst() const {
@@ -128,7 +127,7 @@ std::string certifiedText(const Certificate& certificate, double advance) {
   const double deepest = certificate.deepest();
   if (row != nullptr) return plusMinus(row->bound()) + format(" (certified to %.3g mm)", 1e3 * deepest);
   if (advance > deepest || certificate.row.empty()) return format("beyond the certified %.3g mm", 1e3 * deepest);
-  return format("certified from %.2g mm on", 1e3 * least_share * certificate.row.front().advance);
+  return format("certified from %.2g mm on", 1e3 * Certificate::first_from * certificate.row.front().advance);
 }
 
 std::string certifiedWay(const Certificate& certificate) {

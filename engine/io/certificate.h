@@ -12,6 +12,8 @@ namespace palpate {
 /// What `mtled certify` found about a scene: how far its force is from the limit of fine clouds, over depth. It holds
 /// for the model with that hash, on the way that was pressed.
 struct Certificate {
+  static constexpr double first_from = 0.5;  // of the first row's advance, above which nothing is certified
+
   /// Of the ticks deeper than the row before whose force is at least a fifth of their largest.
   struct Row {
     double advance = 0;      // m, of the tool's tip past first touch, the row's end
@@ -28,7 +30,7 @@ struct Certificate {
   std::vector<Row> row;           // by advance
   double displacement_error = 0;  // root mean square, of the skin's displacements at the end, over the largest
 
-  /// The row that holds at that advance; none where it is beyond all, or above half of the first.
+  /// The row that holds at that advance; none where it is beyond all, or above first_from.
   const Row* at(double advance) const;
   double deepest() const { return row.empty() ? 0 : row.back().advance; }
   /// The largest bound() of all rows; infinite without any.

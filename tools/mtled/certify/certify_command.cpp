@@ -110,7 +110,7 @@ std::vector<Certificate::Row> certifiedRows(const std::vector<double>& advance, 
   const double deepest = std::max(0.0, *std::max_element(advance.begin(), advance.end()));
   const std::vector<TickForces> forces = tickForces(run, converged, ratio, advance.size());
   std::vector<Certificate::Row> rows;
-  double from = -INFINITY;
+  double from = Certificate::first_from * deepest / count;
   for (int r = 1; r <= count; ++r) {
     Certificate::Row row;
     row.advance = deepest * r / count;

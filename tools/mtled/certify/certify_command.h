@@ -21,10 +21,10 @@ struct CertifyOptions {
 ///
 ///   F* = F_f + (F_f - F_c) / (r^2 - 1),   error = |F - F*| / |F*|,   uncertainty = |F* - F_f| / |F*|
 ///
-/// each the largest of the ticks from one depth to the next, with r the ratio of the two finer spacings: Richardson's extrapolation of what converges with their square
-/// (Roache 1998). Where not even the finest sees all of a thin layer, the uncertainty is no less than that makes it
-/// (thin_layers.h), and certify says so. A scene of several tools or jaws has no certificate, as its force depends on
-/// more than a depth: its errors over the time of its scripts are printed.
+/// each the largest of the ticks from one depth to the next, with r the ratio of the two finer spacings: Richardson's
+/// extrapolation of what converges with their square (Roache 1998). Where not even the finest sees all of a thin layer,
+/// the uncertainty is no less than that makes it (thin_layers.h), and certify says so. A scene of several tools or jaws
+/// has no certificate, as its force depends on more than a depth: its errors over the time of its scripts are printed.
 /// @return 0 done, 1 interrupted or not sound
 /// Throws InputError for unusable input, std::runtime_error where a solution or a file fails.
 int certifyCommand(const CertifyOptions& options);
