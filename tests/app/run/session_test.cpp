@@ -514,7 +514,7 @@ TEST_CASE("A certificate is shown where it was pressed, and hushes the warning o
     while (!session.finished()) session.gather();
     session.finish();
     const PanelData data = session.panelData(session.latest());
-    CHECK(data.certified_error == (data.certified.empty() ? 0 : Approx(0.03)));
+    CHECK(data.certified_error == Approx(data.certified.empty() ? 0 : 0.03));
     std::string lines;
     for (const LogLine& line : log.lines()) lines += line.text + "\n";
     return std::pair(data.certified, lines);
