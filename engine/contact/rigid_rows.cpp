@@ -14,11 +14,9 @@ using Eigen::Vector4f;
 /// less.
 constexpr float settled_on_rigid = 1e-6F;
 
-/// m, that nodes go until points near a body are looked for anew: in a tick at 1 m/s.
+/// m, that nodes go until points near a body are looked for anew, and that a point comes seen in a step: in a tick at
+/// 1 m/s.
 constexpr double look_ahead = 2e-3;
-
-/// m, of a step, that a point comes seen.
-constexpr double farthest_step = 2e-3;
 
 /// Whether a point gets into a body on its way, where it ends nearer to another side of it, or behind it: of a thin
 /// body the gap and the normal where it ends are those of the wrong side.
@@ -118,7 +116,7 @@ void RigidRows::findNear(double reach) {
     for (int p = body.begin; p < body.end; ++p) {
       const Vec3 x = skinPosition(step_.skin, vertexOf(p), step_.u);
       if (moves) box.extend(x);
-      if (body.shape.leastGap(place.toBody(x)) > farthest_step + reach && isZero(state_->force[p])) continue;
+      if (body.shape.leastGap(place.toBody(x)) > look_ahead + reach && isZero(state_->force[p])) continue;
       state_->near[state_->near_count++] = p;
     }
   }
@@ -171,7 +169,7 @@ bool RigidRows::makeRow(const RigidBody& body, const Place& from, const Place& t
   const double correction = static_cast<double>(bodies_->correction[point]);
   const bool known = gap < RigidShape::away;
   // What comes fast is pushed further by its neighbours.
-  const double near = std::clamp(way.norm(), static_cast<double>(near_gap), farthest_step);
+  const double near = std::clamp(way.norm(), static_cast<double>(near_gap), look_ahead);
   const bool far = known && !(gap + correction < near);  // all along the way
   double before = far ? gap : body.shape.gapAt(local_start, normal_before);
   bool straight = false;  // as if the surface went on straight

@@ -27,23 +27,17 @@ namespace palpate {
 /// cells: their pressure is the sum of s_ta w_a min(K theta'_a + p1, 0) of their four nodes, and -p_t dV_t/dx_a goes to
 /// the nodes j by N_j(X_a). Under tension nothing changes.
 ///
-/// A cell counts for its vertices by equal parts s_ta, but not for those that are held in all directions while others
-/// are free: along a bonded face a field without change of volume curves away from it, of which tetrahedra see chords;
-/// a patch of one layer of them would have to change its volume.
-///
-/// Exact where the pressure is even. Between bonded faces that are few cells apart the chords take from the flow across
-/// them, and the body becomes too stiff: layers pressed by 20 % and four times as wide as high answer with 11, 9.5 %
-/// more force at a height of 3, 4 spacings (22, 17 % with equal parts for all), the patches alone with 0.6 and -0.1 %.
-/// So nodes between bonded faces less than bonded_cells edges apart keep their patch's pressure, whatever it is (beyond
-/// what patches hold it is doubted: step/trust.h). But for bodies that are held all around: nothing flows across
-/// then. A face that is turned, or moved while it is bonded, curves the flow everywhere (a block bent to a ring answers
-/// with 17 % too much, with 4 % by patches alone; twisted tissue of nu 0.499 finds no equilibrium): such bodies have no
-/// cells (Model::hasCellVolume).
-///
-/// Nor does the skin flow along a tool or rigid body whose friction holds it: a patch of the skin keeps its pressure by
-/// the share 1 - c_a (looseShare): c_a h + (1 - c_a) p^2 / 2K in place of h, and w_a is c_a times what follows. A block
-/// of nu 0.49 with friction 1 between plates, pressed by 20 % on nodes of 5 mm, is then 1 % stiffer than between bonded
-/// faces (without: 10 %, and 24 % at 40 %).
+/// A cell counts for its vertices by equal parts s_ta: exact where the pressure is even. Along what holds it a field
+/// without change of volume curves away, of which tetrahedra see chords, and the body becomes too stiff: a layer between
+/// bonded faces, four times as wide as high, pressed by 20 %, by 22 and 17 % at a height of 3 and 4 spacings, a block
+/// with friction 1 between plates by 10 % (nodes of 5 mm; 24 % pressed by 40 %). So what is held keeps its patch's
+/// pressure (it is doubted beyond what patches hold: step/trust.h), by the share 1 - c_a: c_a h + (1 - c_a) p^2 / 2K in
+/// place of h, and w_a is c_a times what follows.
+///   bonded faces                       c_a = 0, but in bodies that are held all around: nothing flows across then
+///   tools and rigid bodies that rub    c_a falls with the friction that they have (looseShare)
+/// The layers are then 1.4 and 0.2 % stiffer than by patches alone, the block 0.2 %. A face that is turned, or moved
+/// while it is bonded, curves the flow everywhere (a block bent to a ring: 17 % too stiff, 4 % by patches alone;
+/// twisted tissue of nu 0.499 finds no equilibrium): such bodies have no cells (Model::hasCellVolume).
 ///
 /// Which nodes are looked at follows from the points alone: w_a rises from 0 to 1 as the largest K_a (1 - J_q) / p1 of
 /// the points in the patch rises from pressed_from to 1. Where no point gets there, nothing is computed. (A patch's own
@@ -113,9 +107,6 @@ struct CellVolumeScratchOf {
   AlignedVector<Real4<Real>> vertex_force;  // (vertex_count) N, at X_a
 };
 
-/// Edges of cells between bonded faces, below which the patches keep their pressure.
-inline constexpr double bonded_cells = 8;
-
 /// What the cells' volume is computed from, in double.
 struct CellVolumeSpec {
   std::vector<Vec3> X;                    // (vertex_count) m: nodes, and after them a border's further sides
@@ -129,9 +120,7 @@ struct CellVolumeSpec {
 /// Whether each outer face is held at its nodes, in some component.
 bool isConfined(const CellVolumeSpec& spec);
 
-/// p1 over the shear modulus, of the vertices: pressure_limit, and infinity between bonded faces. A vertex is between
-/// them where held nodes lie to either side of it, the nearest and one in nearly the opposite direction; a held node,
-/// where one of its cells has such a vertex.
+/// p1 over the shear modulus, of the vertices: pressure_limit, and infinity on bonded faces.
 std::vector<double> pressureLimits(const CellVolumeSpec& spec);
 
 template <class Real>

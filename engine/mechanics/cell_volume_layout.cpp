@@ -37,29 +37,6 @@ std::vector<std::uint8_t> bondedNodes(const CellVolumeSpec& spec) {
   return bonded;
 }
 
-/// s_ta of a cell's vertices.
-std::array<double, 4> sharesOf(const std::array<int, 4>& cell, const std::vector<std::uint8_t>& bonded) {
-  const auto free = std::count_if(cell.begin(), cell.end(), [&](int a) { return bonded[a] == 0; });
-  std::array<double, 4> share;
-  for (int v = 0; v < 4; ++v) share[v] = free == 0 ? 0.25 : (bonded[cell[v]] ? 0 : 1 / static_cast<double>(free));
-  return share;
-}
-
-/// Whether a node lies between a held one, the nearest, and another in nearly the opposite direction, at most `reach`
-/// apart.
-bool isBetween(const Vec3& X, const std::vector<Vec3>& held, double reach) {
-  constexpr double opposite = -0.9;  // cosine of the angle
-  Vec3 nearest = Vec3::Constant(reach);
-  for (const Vec3& other : held)
-    if ((other - X).squaredNorm() < nearest.squaredNorm()) nearest = other - X;
-  const double first = nearest.norm(), rest = reach - first;
-  if (rest <= 0) return false;
-  return std::any_of(held.begin(), held.end(), [&](const Vec3& other) {
-    const Vec3 way = other - X;
-    return way.squaredNorm() < rest * rest && way.dot(nearest) < opposite * first * way.norm();
-  });
-}
-
 /// Lists of lists as one, after its borders.
 void flatten(const std::vector<std::vector<int>>& lists, std::vector<int>& begin, std::vector<std::int32_t>& all) {
   begin.assign(1, 0);
@@ -85,7 +62,6 @@ void addTables(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
 template <class Real>
 void addCells(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
   const auto cells = orderedCells(spec);
-  const auto bonded = bondedNodes(spec);
   std::vector<double> volume(spec.X.size(), 0);
   std::vector<std::vector<int>> corners(spec.X.size());
   const std::size_t blocks = (cells.size() + 3) / 4;
@@ -93,15 +69,14 @@ void addCells(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
   result.share.assign(blocks * 16, Real(0));
   result.edge.assign(blocks * 36, Real(0));
   for (std::size_t t = 0; t < cells.size(); ++t) {
-    const auto share = sharesOf(cells[t], bonded);
     for (int v = 0; v < 4; ++v) {
       const int node = cells[t][v];
       result.cell_node[t / 4 * 16 + static_cast<std::size_t>(v) * 4 + t % 4] = node;
       for (int c = 0; v > 0 && c < 3; ++c)
         result.edge[t / 4 * 36 + static_cast<std::size_t>(3 * (v - 1) + c) * 4 + t % 4] =
             static_cast<Real>(spec.X[node][c] - spec.X[cells[t][0]][c]);
-      result.share[t / 4 * 16 + static_cast<std::size_t>(v) * 4 + t % 4] = static_cast<Real>(share[v]);
-      volume[node] += share[v] * signedVolume(spec.X, cells[t]);
+      result.share[t / 4 * 16 + static_cast<std::size_t>(v) * 4 + t % 4] = Real(0.25);
+      volume[node] += 0.25 * signedVolume(spec.X, cells[t]);
       corners[node].push_back(static_cast<int>(4 * t) + v);
     }
   }
@@ -134,31 +109,11 @@ bool isConfined(const CellVolumeSpec& spec) {
 }
 
 std::vector<double> pressureLimits(const CellVolumeSpec& spec) {
-  if (isConfined(spec)) return std::vector<double>(spec.X.size(), pressure_limit);
-  std::vector<std::uint8_t> between(spec.X.size(), 0);
-  std::vector<Vec3> held;
-  std::vector<double> edges(spec.X.size(), 0), count(spec.X.size(), 0);
+  std::vector<double> limit(spec.X.size(), pressure_limit);
+  if (isConfined(spec)) return limit;
   const auto bonded = bondedNodes(spec);
-  const auto isHeld = [&](int node) { return bonded[node] != 0; };
-  for (int a = 0; a < static_cast<int>(spec.X.size()); ++a)
-    if (isHeld(a)) held.push_back(spec.X[a]);
-  for (const auto& cell : spec.cells)
-    for (const int a : cell)
-      for (const int b : cell)
-        if (a != b) {
-          edges[a] += (spec.X[a] - spec.X[b]).norm();
-          ++count[a];
-        }
-  for (int a = 0; a < static_cast<int>(spec.X.size()); ++a)
-    if (!isHeld(a) && count[a] > 0) between[a] = isBetween(spec.X[a], held, bonded_cells * edges[a] / count[a]);
-  std::vector<std::uint8_t> all = between;
-  for (const auto& cell : spec.cells)
-    if (std::any_of(cell.begin(), cell.end(), [&](int a) { return between[a] != 0; }))
-      for (const int a : cell)
-        if (isHeld(a)) all[a] = 1;
-  std::vector<double> limit;
-  for (const std::uint8_t bonded_twice : all)
-    limit.push_back(bonded_twice != 0 ? std::numeric_limits<double>::infinity() : pressure_limit);
+  for (std::size_t a = 0; a < limit.size(); ++a)
+    if (bonded[a] != 0) limit[a] = std::numeric_limits<double>::infinity();
   return limit;
 }
 
@@ -230,20 +185,13 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
       x[a] += spec.vertex_shape.N[e] * u[spec.vertex_shape.node[e]];
   std::vector<double> change(vertices, 0), cell_volume(vertices, 0), weight(vertices, 0);
   const auto over_shear = pressureLimits(spec);
-  const auto bonded = bondedNodes(spec);
   const auto averaged = averagedShares(spec.patches);
-  const auto shares = [&](const std::array<int, 4>& cell) {
-    auto share = sharesOf(cell, bonded);
-    for (std::size_t v = 0; v < 4; ++v) share[v] *= averaged[static_cast<std::size_t>(cell[v])];
-    return share;
-  };
-  for (const auto& cell : cells) {
-    const auto share = shares(cell);
-    for (int v = 0; v < 4; ++v) {
-      cell_volume[cell[v]] += share[v] * signedVolume(spec.X, cell);
-      change[cell[v]] += share[v] * (signedVolume(x, cell) - signedVolume(spec.X, cell));
+  const auto share = [&](int vertex) { return 0.25 * averaged[static_cast<std::size_t>(vertex)]; };
+  for (const auto& cell : cells)
+    for (const int a : cell) {
+      cell_volume[a] += share(a) * signedVolume(spec.X, cell);
+      change[a] += share(a) * (signedVolume(x, cell) - signedVolume(spec.X, cell));
     }
-  }
   for (std::size_t q = 0; q < J_minus_1.size(); ++q)
     for (const int a : spec.patches.node[q])
       weight[a] = std::max(weight[a], pressedShare(K[a] * J_minus_1[q], over_shear[a] * shear[a]));
@@ -260,9 +208,8 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
         cell_volume[a] * weight[a] * (p * p / (2 * K[a]) - boundedEnergy(p, limit, K[a]));
   }
   for (const auto& cell : cells) {
-    const auto share = shares(cell);
     double p = 0;
-    for (int v = 0; v < 4; ++v) p += share[v] * result.cell_pressure[cell[v]];
+    for (const int a : cell) p += share(a) * result.cell_pressure[a];
     const auto edge = [&](int v) { return Vec3(x[cell[v]] - x[cell[0]]); };
     for (int v = 1; v < 4; ++v) {
       const Vec3 gradient = edge(v % 3 + 1).cross(edge((v + 1) % 3 + 1)) / 6;

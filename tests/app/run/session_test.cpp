@@ -28,6 +28,13 @@ using namespace palpate::app;
 
 namespace {
 
+/// As it goes by itself, to its end.
+void runThrough(Session& session) {
+  session.start();
+  while (!session.finished()) session.gather();
+  session.finish();
+}
+
 /// Two points of a body with three nodes whose gradients reproduce linear fields exactly:
 /// sum gradN = 0, sum X (x) gradN restricted to the xz-plane's two directions.
 Model twoPoints() {
@@ -184,9 +191,7 @@ TEST_CASE("A run that is refused takes nothing of an earlier one's results away"
   CHECK(files() == 1);
 
   Session session(options, app::readScene(options), log);
-  session.start();
-  while (!session.finished()) session.gather();
-  session.finish();
+  runThrough(session);
   const std::string force = readAll(folder.path("out/force.csv"));
   CHECK(std::count(force.begin(), force.end(), '\n') == 1 + 5);
   CHECK(files() == 1);
@@ -204,9 +209,7 @@ TEST_CASE("Off-screen a scene's own script is played to its end, and no two pict
   options.out = folder.path("out");
   Log log;
   Session session(options, app::readScene(options), log);
-  session.start();
-  while (!session.finished()) session.gather();
-  session.finish();
+  runThrough(session);
   CHECK(session.report().ticks == 2250 + 10);  // with the last corner's rounding
 
   options.snapshot_at = {0.4, 0.4005};
@@ -248,9 +251,7 @@ TEST_CASE("A scripted run is repeated by its recording, bit for bit", "[session]
   Log log;
   const auto hashOf = [&] {
     Session session(options, app::readScene(options), log);
-    session.start();
-    while (!session.finished()) session.gather();
-    session.finish();
+    runThrough(session);
     CHECK(session.failure().empty());
     return session.report().state_hash;
   };
@@ -277,9 +278,7 @@ TEST_CASE("Forces that find no room are told, and the recording is written all t
     setrlimit(RLIMIT_FSIZE, &few_bytes);
     Log log;
     Session session(options, app::readScene(options), log);
-    session.start();
-    while (!session.finished()) session.gather();
-    session.finish();
+    runThrough(session);
     return session.failure().find("force.csv: File too large") == std::string::npos ? 1 : 0;
   });
   CHECK(code == 0);
@@ -394,9 +393,7 @@ struct Searched {
 Searched searched(const Options& options, Log& log) {
   Session session(options, app::readScene(options), log);
   CHECK(session.searching());
-  session.start();
-  while (!session.finished()) session.gather();
-  session.finish();
+  runThrough(session);
   CHECK(session.failure().empty());
   return {session.task()->json({}, "") + session.task()->pressureCsv(), session.conditions(), session.revealed()};
 }
@@ -510,9 +507,7 @@ TEST_CASE("A certificate is shown where it was pressed, and hushes the warning o
                                                          "[[keyframe]]\ntime = 0.2\nadvance = 0.003\n" + slide);
     Log log;
     Session session(options, app::readScene(options), log);
-    session.start();
-    while (!session.finished()) session.gather();
-    session.finish();
+    runThrough(session);
     const PanelData data = session.panelData(session.latest());
     CHECK(data.certified_error == Approx(data.certified.empty() ? 0 : 0.03));
     std::string lines;
@@ -598,9 +593,7 @@ TEST_CASE("app: a run on a cloud that follows the probe is repeated by its recor
   Log log;
   const auto run = [&] {
     Session session(options, app::readScene(options), log);
-    session.start();
-    while (!session.finished()) session.gather();
-    session.finish();
+    runThrough(session);
     CHECK(session.failure().empty());
     const Snapshot& last = session.latest();
     REQUIRE(last.place);
