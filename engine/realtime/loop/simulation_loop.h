@@ -131,6 +131,7 @@ class SimulationLoop final : private LoopBody {
 
  private:
   TickOutcome onTick(const LoopTime& time) override;
+  std::int64_t waited() const override { return follower_ ? follower_->waited() : 0; }
   void onLate(const LateTick& late, const LoopTime& time) override;
   void takeRequests();
   void takeHand();

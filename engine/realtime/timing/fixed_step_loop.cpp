@@ -132,7 +132,7 @@ LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopB
   for (;;) {
     const bool made_good = catch_up.owes();  // this tick, whose grid time has gone by
     if (!fast && !made_good) clock.sleepUntil(grid.at(k));
-    const std::int64_t begin = time.begin_ns = clock.now();
+    const std::int64_t begin = time.begin_ns = clock.now(), waited = body.waited();
     const TickOutcome outcome = body.onTick(time);
     const std::int64_t end = clock.now();
 
@@ -151,7 +151,7 @@ LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopB
       continue;
     }
 
-    statistics.step.add(end - begin);
+    statistics.step.add(end - begin - (body.waited() - waited));
     increase(statistics.ticks, 1);
     if (fast) {
       progress.advanced(begin, end, time);

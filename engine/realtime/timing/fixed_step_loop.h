@@ -52,6 +52,8 @@ class LoopBody {
  public:
   virtual ~LoopBody() = default;
   virtual TickOutcome onTick(const LoopTime& time) = 0;
+  /// ns, that onTick has waited for others in all: no computation, and in no duration of steps.
+  virtual std::int64_t waited() const { return 0; }
   /// After a tick that was not done at the next grid time; all but LateTick::tick and long_waits is known.
   virtual void onLate(const LateTick&, const LoopTime&) {}
 };

@@ -28,13 +28,17 @@ class FakeBody final : public LoopBody {
     if (call == calls_) return TickOutcome::Stop;
     begins.push_back(clock_.time);
     times.push_back(time);
-    clock_.time += cost(call);
+    clock_.time += cost(call) + wait;
+    waited_ += wait;
     return outcome(call);
   }
+  std::int64_t waited() const override { return waited_; }
+  std::int64_t wait = 0;  // ns, of each call, for others
 
  private:
   FakeClock& clock_;
   int calls_;
+  std::int64_t waited_ = 0;
 };
 
 FixedStepOptions at(double rate_hz) {
@@ -169,6 +173,18 @@ TEST_CASE("The live realtime factor starts afresh after a pause - the recent one
   CHECK(body.times[1499].realtime_factor == Approx(1499.0 / 1999));
   CHECK(body.times[1499].recent_realtime_factor == Approx(1.0));
   CHECK(body.times[1999].realtime_factor == Approx(1.0));
+}
+
+TEST_CASE("What a tick waits for others is no time of its step", "[fixed_step_loop]") {
+  FakeClock clock;
+  FakeBody body(clock, 100);
+  body.wait = 300 * kMs;
+  FixedStepOptions options = at(500);
+  options.as_fast_as_possible = true;
+  DeadlineStatistics statistics;
+  const LoopTotals totals = runFixedStepLoop(options, clock, body, statistics);
+  CHECK(statistics.step.maxUs() == Approx(500).epsilon(0.008));
+  CHECK(totals.wall_seconds == Approx(100 * 0.3005));
 }
 
 TEST_CASE("As fast as possible never sleeps, and misses no deadlines, having none", "[fixed_step_loop]") {
