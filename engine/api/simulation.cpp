@@ -21,7 +21,7 @@ namespace {
 /// A body whose places are made by a worker of its own.
 std::unique_ptr<FollowingTissue> followingOf(const palpate_model& of, int threads) {
   if (!of.places) return nullptr;
-  auto following = std::make_unique<FollowingTissue>(of.places, threads, true);
+  auto following = std::make_unique<FollowingTissue>(of.places, threads, false);
   following->physics.holdPlaces(TissuePhysics::kept_for_watchdog);
   return following;
 }
@@ -200,6 +200,7 @@ int32_t palpate_start(palpate_simulation* simulation, uint32_t flags) {
   if (simulation->process != getpid() && (simulation->following || simulation->physics.team().size() > 1))
     return ofTheParent();
   return guarded(nullptr, [&] {
+    if (simulation->following) simulation->following->keepToClock();
     simulation->loop.setRealTime((flags & PALPATE_ORDINARY_THREAD) == 0);
     simulation->loop.start();
     simulation->running = true;

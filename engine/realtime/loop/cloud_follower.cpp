@@ -69,7 +69,9 @@ bool CloudFollower::get(const PlaceIndex& next, bool waits, const std::atomic<bo
     }
     if (!waits || worker_.failed(next) || stop.load(std::memory_order_relaxed)) return false;
     worker_.want({present, next, no_place});
+    const auto begin = std::chrono::steady_clock::now();
     std::this_thread::sleep_for(look_every);
+    waited_ns_ += std::chrono::nanoseconds(std::chrono::steady_clock::now() - begin).count();
   }
 }
 
@@ -180,5 +182,7 @@ FollowingTissue::FollowingTissue(std::shared_ptr<PlaceSource> shared, int thread
       physics(places(), start),
       worker(places(), std::move(make), start, timed ? threadsLeft(threads) : 0, kept),
       follower(places(), physics, worker) {}
+
+void FollowingTissue::keepToClock() { worker.giveWay(threadsLeft(physics.team().size())); }
 
 }  // namespace palpate

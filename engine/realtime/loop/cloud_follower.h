@@ -63,6 +63,7 @@ class CloudFollower {
   std::int64_t swapCount() const { return swap_count_; }
   std::int64_t lateTicks() const { return late_ticks_; }
   double longestSwap() const { return longest_swap_us_; }  // us
+  std::int64_t waited() const { return waited_ns_; }       // ns, for places, in all
 
  private:
   bool get(const PlaceIndex& next, bool waits, const std::atomic<bool>& stop);
@@ -81,7 +82,7 @@ class CloudFollower {
   PlaceIndex let_go_ = no_place;
   bool late_ = false;
   bool refused_ = false;  // the last change that was tried
-  std::int64_t swap_count_ = 0, late_ticks_ = 0;
+  std::int64_t swap_count_ = 0, late_ticks_ = 0, waited_ns_ = 0;
   double longest_swap_us_ = 0;
 };
 
@@ -93,6 +94,9 @@ struct FollowingTissue {
   /// @param make  gets places instead of the source
   /// @param kept  what `make` made once it reads from then on
   FollowingTissue(std::shared_ptr<PlaceSource> shared, int threads, bool timed, PlaceWorker::Make make, bool kept);
+
+  /// (any thread) From now on the loop keeps to the clock.
+  void keepToClock();
 
   const Places& places() const { return source->places(); }
   const Model& model() const { return start->place.model; }

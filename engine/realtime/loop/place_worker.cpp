@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include "base/free_memory.h"
@@ -127,12 +128,16 @@ PlaceIndex PlaceWorker::missingNeighbour(const PlaceIndex& index) const {
 }
 
 void PlaceWorker::work() {
-  if (threads_ > 0) setUpViewerThread();  // gives way to the loop, as whoever draws
-  const OwnSetupThreads own(threads_);
+  std::optional<OwnSetupThreads> own;
+  int threads = 0;
   Wish done;
   std::uint32_t seen = 0;
   int given_back = 0;  // places made by then
   while (!stop_.load(std::memory_order_relaxed)) {
+    if (const int wanted = threads_.load(std::memory_order_relaxed); wanted != threads) {
+      setUpViewerThread();  // gives way to the loop, as whoever draws
+      own.emplace(threads = wanted);
+    }
     const std::uint32_t count = wish_count_.load(std::memory_order_acquire);
     const Wish wish = wishes_.latest();
     clear();
@@ -155,7 +160,7 @@ void PlaceWorker::work() {
         at(made);
         continue;
       }
-      if (made == no_place && wish.to == no_place && threads_ > 0) made = missingNeighbour(wish.from);
+      if (made == no_place && wish.to == no_place && threads > 0) made = missingNeighbour(wish.from);
       if (made != no_place && !shelf_.contains(made)) {
         if (kept_)
           make(made);  // for the disk

@@ -48,6 +48,8 @@ class PlaceWorker {
   /// Loop: the change that was made last, or null: none since the last call. The caller's until it gives it back.
   PlaceChange* take();
   void giveBack(PlaceChange* change) { returned_.push(change); }
+  /// (any thread) From the next place on as with so many `threads`, for good: what has given way can't take it back.
+  void giveWay(int threads) { threads_.store(threads, std::memory_order_relaxed); }
   /// (any thread) Whether take() would find one.
   bool isReady() const { return ready_.load(std::memory_order_acquire) != nullptr; }
 
@@ -70,7 +72,7 @@ class PlaceWorker {
 
   const Places& places_;
   const Make make_;
-  const int threads_;
+  std::atomic<int> threads_;
   const bool kept_;
   const std::shared_ptr<ReadyPlace> start_;
 

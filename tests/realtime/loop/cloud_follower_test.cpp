@@ -63,7 +63,7 @@ PlaceWorker::Make late(int most_ms, unsigned seed) {
 }
 
 std::unique_ptr<FollowingTissue> tissue(int threads = 1, PlaceWorker::Make make = placeAt, bool kept = false) {
-  return std::make_unique<FollowingTissue>(source(), threads, true, std::move(make), kept);
+  return std::make_unique<FollowingTissue>(source(), threads, false, std::move(make), kept);
 }
 
 constexpr int drag_ticks = 250;
@@ -404,6 +404,7 @@ TEST_CASE("Where nodes are too far apart for the tool an error is expected, what
 TEST_CASE("While the loop stays where it is the places around are made, and no more", "[cloud_follower][whole]") {
   const bool kept = GENERATE(false, true);  // on disk: there they are enough
   const auto body = tissue(1, placeAt, kept);
+  body->keepToClock();
   const PlaceIndex start = startPlace(*places());
   body->worker.want({start, no_place, no_place});
   std::vector<std::pair<double, int>> around;
