@@ -31,7 +31,10 @@ namespace {
 /// As it goes by itself, to its end.
 void runThrough(Session& session) {
   session.start();
-  while (!session.finished()) session.gather();
+  while (!session.finished()) {
+    session.gather();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   session.finish();
 }
 
