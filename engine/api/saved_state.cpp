@@ -152,7 +152,7 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
     simulation->step_sequence = step_sequence;
     for (std::size_t m = 0; m < simulation->materials.size(); ++m) {
       take(at, simulation->materials[m]);
-      setMaterial(simulation->present(), static_cast<int>(m), simulation->materials[m], state.live);
+      setMaterial(simulation->present(), static_cast<int>(m), simulation->materials[m], state);
     }
     forEachPart(state, [&at](void* part, std::size_t length) {
       if (length > 0) std::memcpy(part, at, length);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "model/model.h"
+#include "model/state.h"
 
 namespace palpate {
 
@@ -13,9 +14,17 @@ LiveParameters loadedParameters(const Model& model) {
   return live;
 }
 
-void setMaterial(const Model& model, int index, const Material& material, LiveParameters& live) {
-  live.kernel.materials[static_cast<std::size_t>(index)] = material;
-  updatePatchBulk(model.kernel, live.kernel);
+void setMaterial(const Model& model, int index, const Material& material, State& state) {
+  Material& present = state.live.kernel.materials[static_cast<std::size_t>(index)];
+  const auto stiffer = static_cast<float>(material.shear_modulus / present.shear_modulus);
+  const auto numbers = static_cast<std::size_t>(state.relaxation.term_count) * RelaxationHistory::batch_numbers;
+  for (std::size_t b = 0; b < model.kernel.batch_material.size() && numbers > 0; ++b) {
+    if (model.kernel.batch_material[b] != index) continue;
+    float* const Z = state.relaxation.Z.data() + b * numbers;
+    std::transform(Z, Z + numbers, Z, [&](float z) { return stiffer * z; });
+  }
+  present = material;
+  updatePatchBulk(model.kernel, state.live.kernel);
 }
 
 double stiffening(const Material& loaded, const Material& present) {

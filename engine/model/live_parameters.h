@@ -9,6 +9,7 @@
 namespace palpate {
 
 struct Model;
+struct State;
 
 /// What may be set while a run goes on: part of State, so that simulations which share a Model do not share it.
 struct LiveParameters {
@@ -21,10 +22,11 @@ struct LiveParameters {
 LiveParameters loadedParameters(const Model& model);
 
 /// Replaces a material from the next step on. Its density has no effect: it is in the lumped masses.
-/// What has relaxed stays; terms beyond those that the model was loaded with have no effect.
+/// What has relaxed goes with the shear modulus, as if the tissue had been so before; another share of it follows in
+/// its own time. Terms beyond those that the model was loaded with have no effect.
 /// @param index  into Model::materials
-/// Real-time: no allocation, no lock, no throw.
-void setMaterial(const Model& model, int index, const Material& material, LiveParameters& live);
+/// Real-time: no allocation, no lock, no throw. Test: simulation/relaxation_test.cpp
+void setMaterial(const Model& model, int index, const Material& material, State& state);
 
 /// How much stiffer a material is at rest than another: the larger ratio of bulk and of shear moduli. Each counts for
 /// itself: at one wave modulus one can be traded for the other, but node patches relax only the bulk. Fibres count by

@@ -50,13 +50,13 @@ TEST_CASE("The state's hash follows live settings where they differ from the loa
   state.live.friction[0] = 0.4;
   const std::uint64_t rough = stateHash(model, state);
   CHECK(rough != loaded);
-  setMaterial(model, 0, stiffened(model.materials[0], 2), state.live);
+  setMaterial(model, 0, stiffened(model.materials[0], 2), state);
   const std::uint64_t rough_and_stiff = stateHash(model, state);
   CHECK(rough_and_stiff != rough);
   state.live.friction[0] = model.scene.tools[0].friction;
   CHECK(stateHash(model, state) != loaded);
   CHECK(stateHash(model, state) != rough_and_stiff);
-  setMaterial(model, 0, model.materials[0], state.live);
+  setMaterial(model, 0, model.materials[0], state);
   CHECK(stateHash(model, state) == loaded);
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("Equal states give equal futures, live settings included", "[live_para
   Workspace one(model, 1), other(model, 2);
   State state = initialState(model);
   state.live.friction[0] = 0.4;
-  setMaterial(model, 0, stiffened(model.materials[0], 0.5), state.live);
+  setMaterial(model, 0, stiffened(model.materials[0], 0.5), state);
   press(model, state, one, 0.002, 40);
   State copy = state;
   State with_loaded_settings = state;
@@ -87,7 +87,7 @@ TEST_CASE("Patch moduli of a live material are those of a model that was loaded 
   State state = initialState(soft);
   const AlignedVector<float> before = state.live.kernel.patch_bulk;
   REQUIRE_FALSE(before.empty());
-  setMaterial(soft, 0, stiff.materials[0], state.live);
+  setMaterial(soft, 0, stiff.materials[0], state);
   CHECK(state.live.kernel.patch_bulk == initialState(stiff).live.kernel.patch_bulk);
   CHECK(state.live.kernel.patch_bulk != before);
   CHECK(initialState(soft).live.kernel.patch_bulk == before);  // the model is as it was
@@ -125,7 +125,7 @@ TEST_CASE("A slab stiffened live gets mass where one that was loaded as stiff do
   loaded.substeps_per_tick = 1;
   State state = initialState(loaded);
   const Limit soft = limitOf(loaded, state);
-  setMaterial(loaded, 0, stiffened(loaded.materials[0], factor), state.live);
+  setMaterial(loaded, 0, stiffened(loaded.materials[0], factor), state);
   const Limit live = limitOf(loaded, state);
 
   scene.materials[0].material = stiffened(scene.materials[0].material, factor);

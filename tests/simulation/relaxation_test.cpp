@@ -135,6 +135,26 @@ TEST_CASE("A cube held at a fifth less height relaxes by the closed form: loop, 
   CHECK(solutionFields(model, u, solver.body().pointHistory()).von_mises[0] == Approx(left * mises).epsilon(0.01));
 }
 
+TEST_CASE("Of tissue that becomes softer or stiffer while it is held what has relaxed does, too", "[relaxation]") {
+  const Model model = squeezedCube();
+  const int ticks = static_cast<int>(model.scene.dynamics.rate_hz);
+  Command command;
+  command.tools[0].pose = model.tools.first().start.pose;
+  for (const double factor : {0.2, 1.2}) {
+    State state = initialState(model);
+    Workspace workspace(model, 1);
+    for (int k = 1; k <= ticks; ++k) {
+      const StepReport report = tick(model, state, command, workspace);
+      if (2 * k == ticks) setMaterial(model, 0, stiffened(model.materials[0], factor), state);
+      if (2 * k < ticks + 10 || k * 25 % ticks != 0) continue;
+      const double exact =
+          factor * closedForm(model.materials[0].shear_modulus, k / model.scene.dynamics.rate_hz - model.dt);
+      INFO(factor << " times as stiff since 0.5 s, at tick " << k << " of " << ticks);
+      CHECK(report.base_reaction.z() == Approx(-exact).epsilon(0.01));
+    }
+  }
+}
+
 TEST_CASE("Indented, held and released: the force falls to what is left, the way back is softer, no doubt arises",
           "[relaxation][contact][whole]") {
   constexpr double g = 0.4, tau = 0.3;

@@ -53,7 +53,7 @@ TEST_CASE("Materials that are set live make a layer of what was none, or none of
     Material other = model.materials[becomes ? 1 : 0];
     other.set("young", 100);
     other.updateModuli();
-    setMaterial(model, becomes ? 1 : 0, other, state.live);
+    setMaterial(model, becomes ? 1 : 0, other, state);
     CAPTURE(becomes, model.layer_error);
     const double error = layerError(model, state.live.kernel.materials);
     CHECK((error > 0.1) == becomes);

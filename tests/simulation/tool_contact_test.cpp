@@ -21,7 +21,7 @@ double pressedForce(const Scene& scene, double depth, const Material* live = nul
   const Model model = test::blockModel(scene);
   Workspace workspace(model, 2);
   State state = initialState(model);
-  if (live != nullptr) setMaterial(model, 0, *live, state.live);
+  if (live != nullptr) setMaterial(model, 0, *live, state);
   const double touch = model.tools.first().first_contact_travel;
   const auto travelAt = [&](int k) { return touch + depth * std::min(1.0, k / 100.0); };
   return test::moveAlong(model, state, workspace, 200, travelAt).tool_force.norm();

@@ -164,7 +164,7 @@ double TissuePhysics::excessOf(int index, const Material& material) const {
 
 double TissuePhysics::setMaterial(int index, const Material& material) {
   if (const double excess = excessOf(index, material); excess > 0) return excess;
-  palpate::setMaterial(*model_, index, material, state_.live);
+  palpate::setMaterial(*model_, index, material, state_);
   state_.energy.fresh = true;
   return 0;
 }
