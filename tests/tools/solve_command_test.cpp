@@ -205,6 +205,7 @@ shape = "capsule"
 radius = 0.004
 length = 0.02
 position = [0.02, 0, 0.045]
+max_force = 1e-4
 input = "script:nip.toml"
 [solve]
 load_steps = 2
@@ -223,6 +224,10 @@ load_steps = 2
   const auto report = reportIn(folder);
   REQUIRE(report["tools"].size() == 2);
   CHECK(report["tools"][1]["force_N"][2].get<double>() == Approx(force["tool2_fz_N"][1]).epsilon(1e-12));
+  REQUIRE(report["beyond_limit"].size() == 1);  // the first tool's is far
+  CHECK(report["beyond_limit"][0]["tool"] == 2);
+  CHECK(report["beyond_limit"][0]["key"] == "max_force");
+  CHECK(report["beyond_limit"][0]["force_N"].get<double>() >= force["tool2_fz_N"][1]);
   REQUIRE(solve(folder.scene, folder.out(), true) == 0);  // nothing left to do
   folder.write("nip.toml", replaced(nip, "advance = 0.001", "advance = 0.002"));
   CHECK_THAT(refusal([&] { solve(folder.scene, folder.out(), true); }), Contains("another scene"));

@@ -139,6 +139,23 @@ void SolveResults::compareTools(double time, const ToolsAt& wanted, const ToolsA
   }
 }
 
+/// A tool's way is imposed here, whatever force it takes.
+void SolveResults::compareForces(double time, const ToolLoads& loads) {
+  const auto compare = [&](int tool, const char* key, double limit, double force) {
+    if (!(limit > 0) || !(force > 1.001 * limit)) return;
+    auto known = std::find_if(beyond_limit_.begin(), beyond_limit_.end(),
+                              [&](const BeyondLimit& b) { return b.tool == tool && b.key == key; });
+    if (known == beyond_limit_.end()) known = beyond_limit_.insert(known, {tool, key, limit, force, time});
+    known->force = std::max(known->force, force);
+  };
+  for (int t = 0; t < model_.tools.toolCount(); ++t) {
+    const ToolSetUp& tool = model_.tools.tool[static_cast<std::size_t>(t)];
+    const ToolLoad& load = loads[static_cast<std::size_t>(t)];
+    compare(t, "max_force", tool.max_force, load.force.norm());
+    if (isJaws(model_, t)) compare(t, "grip_force", tool.grip_force, load.pinch);
+  }
+}
+
 void SolveResults::add(const SolvedRow& solved, const BatchBody& body, const ToolsAt& tools) {
   compareTools(solved.time, tools, body.tools());
   std::vector<double> row{solved.time, static_cast<double>(solved.iterations), solved.min_J,
@@ -154,6 +171,7 @@ void SolveResults::add(const SolvedRow& solved, const BatchBody& body, const Too
     if (isJaws(model_, t)) row.push_back(load.pinch);
   }
   last_loads_ = solved.loads;
+  compareForces(solved.time, solved.loads);
   for (std::size_t b = 0; b < model_.rigid.body.size(); ++b) {
     append(solved.rigid[b].force);
     row.push_back(solved.rigid[b].max_penetration);
@@ -236,6 +254,12 @@ void SolveResults::finish(nlohmann::json outcome) {
     outcome["loads"][model_.scene.loads[l].name] = {{"force_N", listed(last_load_forces_[l])}};
   if (model_.tools.several() && last_loads_) outcome["tools"] = tools();
   if (short_of_way_ > 0) outcome["tool_stopped"] = {{"short_m", short_of_way_}, {"first_time_s", short_from_}};
+  for (const BeyondLimit& b : beyond_limit_)
+    outcome["beyond_limit"].push_back({{"tool", b.tool + 1},
+                                       {"key", b.key},
+                                       {"limit_N", b.limit},
+                                       {"force_N", b.force},
+                                       {"first_time_s", b.first_time}});
   if (!last_row_.empty()) {
     outcome["time_s"] = last_row_[0];
     outcome["min_J"] = last_row_[2];
@@ -253,6 +277,10 @@ void SolveResults::print() const {
   if (short_of_way_ > 0)
     std::cerr << "mtled: from " << number(short_from_) << " s on a tool stands before what is rigid, up to "
               << number(1e3 * short_of_way_) << " mm short of its way\n";
+  for (const BeyondLimit& b : beyond_limit_)
+    std::cerr << "mtled: from " << number(b.first_time) << " s on the way of tool " << b.tool + 1
+              << " takes more than its " << b.key << ", up to " << number(b.force) << " N for " << number(b.limit)
+              << ": palpate lets it give way, mtled solve does not\n";
   const Doubt doubt = trust_.doubt();
   if (doubt == Doubt::None) return;
   std::cerr << "mtled: the result is not to be trusted from " << number(trust_.firstTime()) << " s on";

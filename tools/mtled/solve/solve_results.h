@@ -77,6 +77,7 @@ class SolveResults {
   void readProbePoints();
   std::vector<std::string> columns() const;
   CsvTable takeUp(std::uint64_t identity, const std::vector<std::string>& columns);
+  void compareForces(double time, const ToolLoads& loads);
   void remember(Doubt doubt, const std::vector<double>& row, const std::optional<Vec3>& place);
   void addFrame(double time, const BatchBody& body);
   nlohmann::json tools() const;
@@ -98,6 +99,13 @@ class SolveResults {
   std::vector<Vec3> last_load_forces_;        // N, of surface loads
   std::optional<ToolLoads> last_loads_;       // likewise
   double short_of_way_ = 0, short_from_ = 0;  // m, that a tool was stopped before, at most; s, from when on
+  /// Force or pinch of a tool beyond its limit.
+  struct BeyondLimit {
+    int tool = 0;
+    const char* key = "";
+    double limit = 0, force = 0, first_time = 0;  // N, and s
+  };
+  std::vector<BeyondLimit> beyond_limit_;
   std::vector<PvdFrame> pvd_;
   Checkpoint checkpoint_;
   Clock::time_point saved_ = Clock::now();
