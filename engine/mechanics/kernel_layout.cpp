@@ -322,6 +322,9 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
     });
   }
 
+  layout.gradN.shrink_to_fit();  // they have grown to twice of what they hold
+  layout.rounded_gradN.shrink_to_fit();
+
   if (!base.empty()) addShares(layout, point_material, base, materials);
   if (!patches.empty()) addPatches(layout, volume, patches);
   makeChunks(layout);
