@@ -301,6 +301,7 @@ Preparation prepareAt(const BodyPlaces& body, const BodyPlace& at, bool first, P
   SurfaceMemory* const surface = memory != nullptr ? &memory->surface : nullptr;
   d.cells = makeBackgroundCells(d.cloud, body.surface, surface);
   fitVolumes(body.scene, body.surface, d, surface);
+  if (surface != nullptr) surface->next();
   std::optional<RowMemory> rows;
   if (memory != nullptr) rows.emplace(RowMemory{at.node, memory->rows});
   const Progress silent = [](const std::string&, double) {};

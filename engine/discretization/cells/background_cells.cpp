@@ -121,7 +121,7 @@ std::vector<char> heldCells(const NodeCloud& cloud, const std::vector<std::array
   parallelFor(static_cast<int>(asked.size()), [&](int first, int last) {
     for (int k = first; k < last; ++k) held[unknown[k]] = inside.holds(asked[k]);
   });
-  for (std::size_t k = 0; memory && k < asked.size(); ++k) memory->holds.keep(places(asked[k]), held[unknown[k]] != 0);
+  for (std::size_t c = 0; memory && c < cells.size(); ++c) memory->holds.keep(places(cells[c]), held[c] != 0);
   return held;
 }
 

@@ -50,16 +50,13 @@ std::vector<double> meanGaps(const std::vector<std::array<int, 3>>& facets, cons
                              const SurfaceTree& surface, SurfaceMemory* memory) {
   std::vector<double> gap(facets.size());
   const auto places = [&](int f) { return std::array{X[facets[f][0]], X[facets[f][1]], X[facets[f][2]]}; };
-  std::vector<char> is_new(facets.size(), 1);
   parallelFor(static_cast<int>(facets.size()), [&](int first, int last) {
     for (int f = first; f < last; ++f) {
       const double* const known = memory ? memory->gap.find(places(f)) : nullptr;
       gap[f] = known ? *known : meanGap(facetOf(facets[f], X), X, surface);
-      is_new[f] = !known;
     }
   });
-  for (int f = 0; memory && f < static_cast<int>(facets.size()); ++f)
-    if (is_new[f]) memory->gap.keep(places(f), gap[f]);
+  for (int f = 0; memory && f < static_cast<int>(facets.size()); ++f) memory->gap.keep(places(f), gap[f]);
   return gap;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
 
 #include "base/place_hash.h"
 #include "base/types.h"
@@ -10,7 +11,7 @@
 namespace palpate {
 
 /// Answers about some places in space, by the places' bits: for functions of them alone. What is kept saves time and
-/// changes no answer.
+/// changes no answer. What was not asked between two calls of next() is forgotten.
 template <std::size_t Size, class Answer>
 class PlacesAsked {
  public:
@@ -18,16 +19,18 @@ class PlacesAsked {
 
   /// The answer if it is known, else null.
   const Answer* find(const Places& places) const {
-    const auto found = answers_.find(places);
-    return found == answers_.end() ? nullptr : &found->second;
+    for (const auto* answers : {&asked_, &known_})
+      if (const auto found = answers->find(places); found != answers->end()) return &found->second;
+    return nullptr;
   }
-  void keep(const Places& places, const Answer& answer) {
-    if (answers_.size() >= most) answers_.clear();
-    answers_.emplace(places, answer);
+  /// Each that was asked, known or not.
+  void keep(const Places& places, const Answer& answer) { asked_.emplace(places, answer); }
+  void next() {
+    known_ = std::move(asked_);
+    asked_.clear();
   }
 
  private:
-  static constexpr std::size_t most = 200'000;  // 30 MB
   struct Hash {
     std::size_t operator()(const Places& places) const {
       std::uint64_t hash = 0;
@@ -35,13 +38,15 @@ class PlacesAsked {
       return hash;
     }
   };
-  std::unordered_map<Places, Answer, Hash> answers_;
+  std::unordered_map<Places, Answer, Hash> known_, asked_;
 };
 
 /// What was asked of one surface.
 struct SurfaceMemory {
   PlacesAsked<4, bool> holds;  // whether a cell is inside (background_cells.h)
   PlacesAsked<3, double> gap;  // m, mean height of the surface above a facet (volume_fit.h)
+
+  void next() { holds.next(), gap.next(); }
 };
 
 }  // namespace palpate
