@@ -49,7 +49,7 @@ RowsAtHand::RowsAtHand(const KnownRows& known, const std::vector<int>& number, c
     : known_(known), changed_(compare(known, number, X, radius, group, now_)), near_(changed_.X, changed_.radius) {}
 
 bool RowsAtHand::copy(std::size_t part, const Vec3& at, std::uint64_t group, std::vector<int>& node,
-                      std::vector<double>& N, std::vector<Vec3>& gradN) const {
+                      std::vector<double>& N) const {
   const KnownRows::Part& from = known_.part[part];
   const int r = from.find(at);
   if (r < 0 || groupOf(from.group, static_cast<std::size_t>(r)) != group) return false;
@@ -63,7 +63,6 @@ bool RowsAtHand::copy(std::size_t part, const Vec3& at, std::uint64_t group, std
   if (!is_same) return false;
   for (int e = begin; e < end; ++e) node.push_back(now_[from.rows.node[e]]);
   N.assign(from.rows.N.begin() + begin, from.rows.N.begin() + end);
-  if (!from.rows.gradN.empty()) gradN.assign(from.rows.gradN.begin() + begin, from.rows.gradN.begin() + end);
   return true;
 }
 

@@ -27,8 +27,8 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
     std::vector<double> support_radius;
     std::vector<std::uint8_t> pinned;
     for (int r = begin; r < end; ++r) {
-      if (known.rows != nullptr && known.rows->copy(known.part, points[r], groups.row.empty() ? 0 : groups.row[r],
-                                                    row[r].node, row[r].N, row[r].gradN))
+      if (known.rows != nullptr &&
+          known.rows->copy(known.part, points[r], groups.row.empty() ? 0 : groups.row[r], row[r].node, row[r].N))
         continue;
       neighbours.find(points[r], row[r].node);
       if (!groups.row.empty()) std::erase_if(row[r].node, [&](int j) { return (groups.node[j] & groups.row[r]) == 0; });

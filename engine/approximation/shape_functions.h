@@ -36,7 +36,7 @@ struct SupportGroups {
   std::vector<std::uint64_t> row;   // (row_count)
 };
 
-/// The known rows of a part, if any.
+/// The known rows of a part, if any; where no gradients are wanted.
 struct KnownPart {
   const RowsAtHand* rows = nullptr;
   std::size_t part = 0;

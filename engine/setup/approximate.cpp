@@ -91,8 +91,10 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
     KnownPart known{at_hand ? &*at_hand : nullptr};
     for (const auto& [at, rows, table, wanted] : parts) {
       std::vector<InadmissibleSupport> failed;
-      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {groups.of_nodes, *rows}, known, wanted);
-      ++known.part;
+      const bool values = wanted == Wanted::Values;
+      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {groups.of_nodes, *rows},
+                              values ? known : KnownPart{}, wanted);
+      known.part += values;
       if (failed.empty()) continue;
       admissible = false;
       if (attempt == max_enlargements && unsupported != nullptr) {
@@ -117,10 +119,9 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
     at_hand.reset();
     if (memory != nullptr) {
       KnownRows& found = memory->rows = {memory->number, X, radius, groups.of_nodes, {}};
-      for (std::size_t k = 0; k < found.part.size(); ++k) {
-        const auto& [at, rows, table, wanted] = parts[k];
-        found.part[k] = {*at, *rows, *table};
-      }
+      auto part = found.part.begin();
+      for (const auto& [at, rows, table, wanted] : parts)
+        if (wanted == Wanted::Values) *part++ = {*at, *rows, *table};
     }
     if (admissible || attempt == max_enlargements) break;
     radius = enlarged;

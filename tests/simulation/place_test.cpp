@@ -182,11 +182,10 @@ TEST_CASE("What is used again for a place changes no bit of it, whatever places 
   const RowsAtHand at_hand(of_a.body[0].rows, b.node, b.model.X, b.model.support_radius, {});
   std::vector<int> node;
   std::vector<double> N;
-  std::vector<Vec3> gradN;
   const auto& skin = b.model.skin.surface.vertices;
   int known = 0;
   for (int v = 0; v < b.model.skin.vertexCount(); ++v) {
-    if (!at_hand.copy(1, skin[static_cast<std::size_t>(v)], 0, node, N, gradN)) continue;
+    if (!at_hand.copy(0, skin[static_cast<std::size_t>(v)], 0, node, N)) continue;
     ++known;
     const SkinModel& own = b.model.skin;
     REQUIRE(std::equal(node.begin(), node.end(), own.node.begin() + own.begin[v], own.node.begin() + own.begin[v + 1]));
