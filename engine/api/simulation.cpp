@@ -21,9 +21,7 @@ namespace {
 /// A body whose places are made by a worker of its own.
 std::unique_ptr<FollowingTissue> followingOf(const palpate_model& of, int threads) {
   if (!of.places) return nullptr;
-  auto following = std::make_unique<FollowingTissue>(of.places, threads, false);
-  following->physics.holdPlaces(TissuePhysics::kept_for_watchdog);
-  return following;
+  return std::make_unique<FollowingTissue>(of.places, threads, false);
 }
 
 /// What nobody takes from the loop need not be kept.

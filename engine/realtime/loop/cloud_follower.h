@@ -7,6 +7,7 @@
 
 #include "discretization/nodes/spacing_field.h"
 #include "realtime/loop/place_worker.h"
+#include "realtime/loop/state_history.h"
 #include "setup/place_source.h"
 
 namespace palpate {
@@ -56,6 +57,10 @@ class CloudFollower {
   double expectedError();
 
   const std::shared_ptr<ReadyPlace>& place() const { return physics_.place(); }
+  /// Places of no kept state are let go.
+  void holdOnly(const StateHistory& history) {
+    physics_.holdOnly([&](const PlaceIndex& place) { return history.has(place); });
+  }
   /// The place that the last swap let go, to whose states nothing goes back; no_place: none.
   const PlaceIndex& letGo() const { return let_go_; }
   /// The last tick was one on a place that was not ready, or refused.

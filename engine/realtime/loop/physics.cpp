@@ -95,14 +95,15 @@ std::optional<PlaceIndex> TissuePhysics::goTo(PlaceChange& change, double most_r
   forgetLastTick();
   workspace_->resolution.goOnFrom(before);
   if (place_ == held_[0]) return no_place;
-  const auto begin = held_.begin() + 1, end = begin + static_cast<std::ptrdiff_t>(most_held_);
+  const auto begin = held_.begin() + 1, end = held_.end();
   auto at = std::find(begin, end, place_);
   PlaceIndex lost = no_place;
+  if (at == end) at = std::find(begin, end, nullptr);
   if (at == end) {
-    at = end - 1;
-    if (*at) lost = (*at)->place.index;
-    *at = place_;
+    --at;
+    lost = (*at)->place.index;
   }
+  *at = place_;
   std::rotate(begin, at, at + 1);
   return lost;
 }

@@ -80,10 +80,14 @@ class TissuePhysics final : public Physics {
   void setLoads(const LiveLoads& loads) override { state_.live.loads = loads; }
   double setMaterial(int index, const Material& material) override;
 
-  /// Places that it holds beside the start, those that it was at last: where states of the last seconds are kept to
-  /// undo with, and where the watchdog alone may want one of the last tenths.
-  static constexpr std::size_t kept_to_undo = 4, kept_for_watchdog = 2;
-  void holdPlaces(std::size_t most) { most_held_ = most; }
+  /// Places that it holds beside the start, at most: those that it was at last.
+  static constexpr std::size_t most_held = 4;
+  /// Lets go of all but the start, the present one, and those that it may yet go back to. @param needed  (PlaceIndex)
+  template <class Needed>
+  void holdOnly(Needed needed) {
+    for (auto held = held_.begin() + 1; held != held_.end(); ++held)
+      if (*held && *held != place_ && !needed((*held)->place.index)) held->reset();
+  }
 
   /// The present place; null where the cloud stays.
   const std::shared_ptr<ReadyPlace>& place() const { return place_; }
@@ -115,8 +119,7 @@ class TissuePhysics final : public Physics {
   // Where the cloud stays.
   std::unique_ptr<Workspace> own_workspace_;
   // Where it follows: the start, then those it was at, the last one first.
-  std::array<std::shared_ptr<ReadyPlace>, 1 + kept_to_undo> held_;
-  std::size_t most_held_ = kept_to_undo;
+  std::array<std::shared_ptr<ReadyPlace>, 1 + most_held> held_;
   std::shared_ptr<ReadyPlace> place_;
 
   std::shared_ptr<SpinTeam> team_;

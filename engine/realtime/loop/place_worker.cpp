@@ -13,8 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t returned_capacity = 16;  // the loop has two at most
-// Places around one, those that a tool may come to next: on disk, and in memory.
-constexpr std::size_t kept_around = 6, made_around = PlaceWorker::most_made - 1;
+// Places around one, those that a tool may come to next, on disk; in memory as many as there is room for.
+constexpr std::size_t kept_around = 6;
 constexpr double as_far_as = 1.8;  // strides
 
 }  // namespace
@@ -88,25 +88,19 @@ std::shared_ptr<const Place> PlaceWorker::make(const PlaceIndex& index) {
 }
 
 std::shared_ptr<ReadyPlace> PlaceWorker::at(const PlaceIndex& index) {
-  Shelved& shelved = shelf_[index];
-  shelved.used = ++uses_;
-  if (shelved.place) return shelved.place;
-  try {
-    shelved.place = std::make_shared<ReadyPlace>(make(index), start_->workspace);
-  } catch (...) {
-    shelf_.erase(index);
-    throw;
+  if (const auto found = shelf_.find(index); found != shelf_.end()) {
+    found->second.used = ++uses_;
+    return found->second.place;
   }
-  std::shared_ptr<ReadyPlace> place = shelved.place;
-  while (shelf_.size() > (kept_ ? most_read : most_made)) {
+  while (shelf_.size() >= most()) {  // before it is made, which takes memory of its own
     auto oldest = shelf_.end();
-    for (auto it = shelf_.begin(); it != shelf_.end();
-         ++it)  // that nobody but the shelf has, so that nobody can get it
-      if (it->second.place.use_count() == 1 && (oldest == shelf_.end() || it->second.used < oldest->second.used))
-        oldest = it;
+    for (auto it = shelf_.begin(); it != shelf_.end(); ++it)
+      if (!isHeld(it->second) && (oldest == shelf_.end() || it->second.used < oldest->second.used)) oldest = it;
     if (oldest == shelf_.end()) break;
     shelf_.erase(oldest);
   }
+  auto place = std::make_shared<ReadyPlace>(make(index), start_->workspace);
+  shelf_[index] = {place, ++uses_};
   return place;
 }
 
@@ -121,7 +115,9 @@ PlaceIndex PlaceWorker::missingNeighbour(const PlaceIndex& index) const {
       around.emplace_back(distance, index).second[t] = static_cast<int>(c);
     }
   std::sort(around.begin(), around.end());
-  around.resize(std::min(around.size(), kept_ ? kept_around : made_around));
+  std::size_t held = 0;
+  for (const auto& each : shelf_) held += isHeld(each.second);
+  around.resize(std::min(around.size(), kept_ ? kept_around : most() - std::min(held, most())));
   for (const auto& [distance, place] : around)
     if (!shelf_.contains(place) && !(kept_ && seen_.contains(place))) return place;
   return no_place;
@@ -141,6 +137,7 @@ void PlaceWorker::work() {
     const std::uint32_t count = wish_count_.load(std::memory_order_acquire);
     const Wish wish = wishes_.latest();
     clear();
+    if (std::exchange(given_back, madeCount()) != madeCount()) giveFreeMemoryBack();
     PlaceIndex made = no_place;
     try {
       if (count != seen) {
@@ -156,13 +153,10 @@ void PlaceWorker::work() {
         }
       }
       made = wish.then;
-      if (made != no_place && !shelf_.contains(made)) {
-        at(made);
-        continue;
-      }
-      if (made == no_place && wish.to == no_place && threads > 0) made = missingNeighbour(wish.from);
-      if (made != no_place && !shelf_.contains(made)) {
-        if (kept_)
+      const bool is_idle = made == no_place && wish.to == no_place && threads > 0;
+      if (is_idle) made = missingNeighbour(wish.from);
+      if (made != no_place && !shelf_.contains(made) && !(kept_ && seen_.contains(made))) {
+        if (kept_ && is_idle)
           make(made);  // for the disk
         else
           at(made);
@@ -171,7 +165,6 @@ void PlaceWorker::work() {
     } catch (const std::exception& error) {
       fail(made, error.what());
     }
-    if (std::exchange(given_back, madeCount()) != madeCount()) giveFreeMemoryBack();
     wish_count_.wait(count, std::memory_order_acquire);
   }
 }

@@ -19,15 +19,16 @@ namespace palpate {
 
 /// Makes the places that a loop's tool comes to (setup/place.h), on a thread of its own, while the loop goes on:
 /// the loop says where it is and where to, and finds the change there once it is ready. Keeps the places that it made
-/// last in memory (some 27 MB each, for a liver), and sees to it that those around are kept on disk, where any are.
+/// last in memory (some 32 MB each, for a liver), and sees to it that those around are kept on disk, where any are.
 /// What the loop's thread may call is real-time: no allocation, no lock, no throw.
 class PlaceWorker {
  public:
   /// May take seconds; runs on the worker's thread alone. Equal results for equal indices.
   using Make = std::function<std::shared_ptr<const Place>(const PlaceIndex&)>;
-  // In memory, those that the loop holds included, where it can: where a place that was made once is read in a moment
-  // (0.15 s for a liver), and where it would have to be made anew (0.4 s): the nearest around the present one, too.
-  static constexpr std::size_t most_read = 4, most_made = 5;
+  // In memory, those that the loop holds included, where it can: the start, the present one and the next, where a place
+  // that was made once is read in a moment (0.15 s for a liver); where it would have to be made anew (0.4 s), the one
+  // after, too, or the nearest around the present one.
+  static constexpr std::size_t most_read = 3, most_made = 4;
 
   /// @param start    where the loop begins, with the team that steps all places
   /// @param threads  that a place is made with, and which give way to all others; 0: all cores, as good as any
@@ -93,6 +94,9 @@ class PlaceWorker {
     std::shared_ptr<ReadyPlace> place;
     std::uint64_t used = 0;
   };
+  /// By others than the shelf: else nobody can get it.
+  static bool isHeld(const Shelved& shelved) { return shelved.place.use_count() > 1; }
+  std::size_t most() const { return kept_ ? most_read : most_made; }
   std::map<PlaceIndex, Shelved> shelf_;
   std::set<PlaceIndex> seen_;  // made or read once
   std::uint64_t uses_ = 0;

@@ -285,6 +285,7 @@ bool SimulationLoop::step() {
         break;
       }
       history_.keep(physics_.state(), reporter_.lastDoubt());
+      if (follower_ != nullptr) follower_->holdOnly(history_);
       break;
     }
     case Verdict::Restore:

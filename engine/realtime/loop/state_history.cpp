@@ -42,6 +42,12 @@ const State& StateHistory::Ring::at(std::size_t age) const {
   return slots[(newest + slots.size() - age) % slots.size()];
 }
 
+bool StateHistory::Ring::has(const PlaceIndex& place) const {
+  for (std::size_t age = 0; age < used; ++age)
+    if (at(age).place == place) return true;
+  return false;
+}
+
 void StateHistory::Ring::dropAfter(std::int64_t tick) {
   for (; used > 0 && at(0).tick > tick; --used) newest = (newest + slots.size() - 1) % slots.size();
   due = used > 0 ? at(0).tick + every : tick + every;

@@ -35,6 +35,9 @@ class StateHistory {
   /// The physics is back at this tick: what was kept after it never was.
   void wentBackTo(std::int64_t tick);
 
+  /// Whether a state of this place is kept.
+  bool has(const PlaceIndex& place) const { return start_.place == place || good_.has(place) || past_.has(place); }
+
   /// States of this place, and all before them, can't be gone back to any more.
   void forget(const PlaceIndex& place);
 
@@ -56,6 +59,7 @@ class StateHistory {
 
     void keep(const State& state);
     const State& at(std::size_t age) const;
+    bool has(const PlaceIndex& place) const;
     void dropAfter(std::int64_t tick);
     void forget(const PlaceIndex& place);
   };

@@ -415,7 +415,7 @@ TEST_CASE("While the loop stays where it is the places around are made, and no m
   std::sort(around.begin(), around.end());
   REQUIRE(around[0].first < 1.8 * places()->sizes.stride);
   const int wanted = static_cast<int>(std::min<std::ptrdiff_t>(
-      kept ? 6 : 4, std::count_if(around.begin(), around.end(),
+      kept ? 6 : 3, std::count_if(around.begin(), around.end(),
                                   [](const auto& a) { return a.first <= 1.8 * places()->sizes.stride; })));
   for (int k = 0; k < wanted; ++k) {  // here, as the worker gives way to all other programs
     PlaceIndex index = start;

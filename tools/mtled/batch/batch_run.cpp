@@ -95,7 +95,6 @@ BatchResult runBatchJob(const BatchJob& job, const BatchModel& of, const std::st
 
   std::unique_ptr<FollowingTissue> following;
   if (of.following) following = std::make_unique<FollowingTissue>(of.following, 1, false);
-  if (following) following->physics.holdPlaces(TissuePhysics::kept_for_watchdog);
   const auto own = following ? nullptr : std::make_unique<TissuePhysics>(model, 1);
   TissuePhysics& physics = following ? following->physics : *own;
   SimulationLoopOptions options;
