@@ -76,6 +76,7 @@ std::int32_t load(Read read, const palpate_options* options, palpate_model** mod
     }
     handle->names = namesOf(*handle->model);
     *model = handle.release();
+    giveFreeMemoryBack();
     return PALPATE_OK;
   });
 }
