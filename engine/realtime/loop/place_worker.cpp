@@ -80,6 +80,7 @@ void PlaceWorker::clear() {
 std::shared_ptr<const Place> PlaceWorker::make(const PlaceIndex& index) {
   const auto start = std::chrono::steady_clock::now();
   std::shared_ptr<const Place> made = make_(index);
+  giveFreeMemoryBack();  // as much as a place has
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   made_seconds_.store(made_seconds_.load(std::memory_order_relaxed) + seconds, std::memory_order_relaxed);
   made_count_.fetch_add(1, std::memory_order_relaxed);
@@ -128,7 +129,6 @@ void PlaceWorker::work() {
   int threads = 0;
   Wish done;
   std::uint32_t seen = 0;
-  int given_back = 0;  // places made by then
   while (!stop_.load(std::memory_order_relaxed)) {
     if (const int wanted = threads_.load(std::memory_order_relaxed); wanted != threads) {
       setUpViewerThread();  // gives way to the loop, as whoever draws
@@ -137,7 +137,6 @@ void PlaceWorker::work() {
     const std::uint32_t count = wish_count_.load(std::memory_order_acquire);
     const Wish wish = wishes_.latest();
     clear();
-    if (std::exchange(given_back, madeCount()) != madeCount()) giveFreeMemoryBack();
     PlaceIndex made = no_place;
     try {
       if (count != seen) {
