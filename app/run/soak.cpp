@@ -58,12 +58,12 @@ void Soak::takeCycles() {
 
 /// While a tool touches, or closes a fold, skin may lie on skin; alone it must not.
 void Soak::lookAtSkin(const Snapshot& snapshot) {
-  if (snapshot.contact_count > 0 || secondsSince(last_look_) < crossings_seconds) return;
+  const double since = static_cast<double>(snapshot.tick - looked_at_) / rate_hz_;
+  if (snapshot.contact_count > 0 || since < crossings_seconds) return;
   if (snapshot.place) skin_.goOnWith(snapshot.place->model.skin);  // which the snapshot keeps
   seen_ = skin_.count(snapshot.u.data());
   looked_at_ = snapshot.tick;
   report_.crossings = std::max(report_.crossings, seen_);
-  last_look_ = SteadyClock::now();
 }
 
 void Soak::update(SimulationLoop& loop, const ResultFolder& results) {

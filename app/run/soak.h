@@ -18,7 +18,7 @@ namespace palpate::app {
 class Soak {
  public:
   static constexpr double interval_seconds = 60;      // wall time between lines and reports
-  static constexpr double crossings_seconds = 0.1;    // wall time between looks at the skin
+  static constexpr double crossings_seconds = 0.1;    // of physics, at least, between looks at the skin
   static constexpr double warm_physics_seconds = 20;  // by then every buffer of the program has its size
 
   /// @param minutes  of physics time
@@ -49,11 +49,10 @@ class Soak {
   SkinCrossings skin_;
   SoakReport report_;
   double rate_hz_;
-  std::int64_t looked_at_ = -1;  // tick of the last look at the skin,
-  int seen_ = 0;                 // and how often it crossed itself
+  std::int64_t looked_at_ = 0;  // tick of the last look at the skin,
+  int seen_ = 0;                // and how often it crossed itself
   std::vector<SoakThread> warm_threads_;
-  SteadyClock::time_point begin_ = SteadyClock::now(), last_report_ = begin_, last_counters_ = begin_,
-                          last_look_ = begin_;
+  SteadyClock::time_point begin_ = SteadyClock::now(), last_report_ = begin_, last_counters_ = begin_;
 };
 
 }  // namespace palpate::app
