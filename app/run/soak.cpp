@@ -59,7 +59,7 @@ void Soak::takeCycles() {
 /// While a tool touches, or closes a fold, skin may lie on skin; alone it must not.
 void Soak::lookAtSkin(const Snapshot& snapshot) {
   const double since = static_cast<double>(snapshot.tick - looked_at_) / rate_hz_;
-  if (snapshot.contact_count > 0 || since < crossings_seconds) return;
+  if (snapshot.report.isTouched() || since < crossings_seconds) return;
   if (snapshot.place) skin_.goOnWith(snapshot.place->model.skin);  // which the snapshot keeps
   seen_ = skin_.count(snapshot.u.data());
   looked_at_ = snapshot.tick;

@@ -381,7 +381,8 @@ PALPATE_API int32_t palpate_set_tool_friction(palpate_simulation* simulation, in
 /* (control) Parameters of a material, from the next tick on; those not named stay. What is made for the materials as
  * they were loaded (contact's layer, node patches) stays, too: far from them forces are some per cent off those of a
  * scene that has such materials. What has relaxed goes with the shear modulus, as if the tissue had been so before;
- * another share of it follows in its own time. PALPATE_REFUSED: another density, or stiffer than the time step is stable for.
+ * another share of it follows in its own time. PALPATE_REFUSED: another density, or stiffer than the time step is
+ * stable for.
  * @param material  0 to material_count - 1, in the scene's order */
 PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t material,
                                          const palpate_parameter* parameters, int32_t parameter_count,

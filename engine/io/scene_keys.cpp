@@ -316,9 +316,9 @@ constexpr KeySpec scene_keys[] = {
      with_mass_scaling},
     {"tool", "max_force", T::Number, "N", "0", atLeast(0), "",
      "What the hand that holds the tool would push at most. Where the tissue would push harder the tool gives way "
-     "within the step: it stays behind the mouse, device or script, and reports say by how much. (`mtled solve` imposes "
-     "the tool's way, and says where that takes more.) 0: forty shear moduli of the stiffest material on the tool's "
-     "cross-section.", never},
+     "within the step: it stays behind the mouse, device or script, and reports say by how much. (`mtled solve` "
+     "imposes the tool's way, and says where that takes more.) 0: forty shear moduli of the stiffest material on the "
+     "tool's cross-section.", never},
     {"tool", "friction", T::Number, "", "0", between(0, 2), "",
      "Coulomb coefficient between tool and tissue; 0: frictionless.", never},
     {"tool", "opening", T::Number, "m", depends, between(0, 1), "",

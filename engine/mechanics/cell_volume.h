@@ -28,7 +28,7 @@ namespace palpate {
 /// the nodes j by N_j(X_a). Under tension nothing changes.
 ///
 /// A cell counts for its vertices by equal parts s_ta: exact where the pressure is even. Along what holds it a field
-/// without change of volume curves away, of which tetrahedra see chords, and the body becomes too stiff: a layer between
+/// without change of volume curves away, of which tetrahedra see chords, and the body is too stiff: a layer between
 /// bonded faces, four times as wide as high, pressed by 20 %, by 22 and 17 % at a height of 3 and 4 spacings, a block
 /// with friction 1 between plates by 10 % (nodes of 5 mm; 24 % pressed by 40 %). So what is held keeps its patch's
 /// pressure (it is doubted beyond what patches hold: step/trust.h), by the share 1 - c_a: c_a h + (1 - c_a) p^2 / 2K in
