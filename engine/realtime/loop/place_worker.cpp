@@ -129,6 +129,7 @@ void PlaceWorker::work() {
   int threads = 0;
   Wish done;
   std::uint32_t seen = 0;
+  int given_back = 0;  // places made by then
   while (!stop_.load(std::memory_order_relaxed)) {
     if (const int wanted = threads_.load(std::memory_order_relaxed); wanted != threads) {
       setUpViewerThread();  // gives way to the loop, as whoever draws
@@ -164,6 +165,7 @@ void PlaceWorker::work() {
     } catch (const std::exception& error) {
       fail(made, error.what());
     }
+    if (std::exchange(given_back, madeCount()) != madeCount()) giveFreeMemoryBack();  // what its change left
     wish_count_.wait(count, std::memory_order_acquire);
   }
 }
