@@ -61,7 +61,10 @@ std::string sentence(const LogEvent& e) {
       return "on time again after " + overloadText(e.overload);
     case LogEvent::Kind::ToolYields:
       if (e.index == 1) return format("the tool stands before what is rigid, %.3g mm from the hand", 1e3 * e.value);
-      return format("the tool yields: the tissue can take no more; it stays %.3g mm behind the hand", 1e3 * e.value);
+      return format(
+          "the tool yields: the tissue can take no more, or its hand pushes no harder (max_force); it stays %.3g mm "
+          "behind the hand",
+          1e3 * e.value);
     case LogEvent::Kind::ToolLetsGo:
       return format(
           "tool %d was stuck in the tissue, far from its hand: it lets go, and touches nothing until it is out",
