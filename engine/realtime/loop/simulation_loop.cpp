@@ -284,8 +284,7 @@ bool SimulationLoop::step() {
         reporter_.logEvent(LogEvent::Kind::RestoredFolded, run_, report.worst_point, report.min_J);
         break;
       }
-      history_.keep(physics_.state(), reporter_.lastDoubt());
-      if (follower_ != nullptr) follower_->holdOnly(history_);
+      if (history_.keep(physics_.state(), reporter_.lastDoubt()) && follower_ != nullptr) follower_->holdOnly(history_);
       break;
     }
     case Verdict::Restore:

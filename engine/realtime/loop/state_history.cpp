@@ -69,9 +69,12 @@ StateHistory::StateHistory(const State& start, double rate_hz, bool undo) : star
   past_.every = std::max<std::int64_t>(1, std::llround(past_seconds * rate_hz));
 }
 
-void StateHistory::keep(const State& state, Doubt doubt) {
-  if (doubt <= Doubt::Resolution && state.tick >= good_.due) return good_.keep(state);  // never two copies in one tick
-  if (!past_.slots.empty() && doubt < Doubt::Inverted && state.tick >= past_.due) past_.keep(state);
+bool StateHistory::keep(const State& state, Doubt doubt) {
+  const bool good = doubt <= Doubt::Resolution && state.tick >= good_.due;  // never two copies in one tick
+  const bool past = !good && !past_.slots.empty() && doubt < Doubt::Inverted && state.tick >= past_.due;
+  if (good) good_.keep(state);
+  if (past) past_.keep(state);
+  return good || past;
 }
 
 const State& StateHistory::good(int age) const {

@@ -23,8 +23,8 @@ class StateHistory {
   /// @param undo   whether states to undo with are kept
   StateHistory(const State& start, double rate_hz, bool undo = true);
 
-  /// A tick has ended well. Copies the state if it is time for that.
-  void keep(const State& state, Doubt doubt);
+  /// A tick has ended well. Copies the state if it is time for that. @return whether it was
+  bool keep(const State& state, Doubt doubt);
 
   /// The undoubted state that was kept last (age 0), the one before (1); the start where there is none.
   const State& good(int age) const;
