@@ -80,7 +80,6 @@ void PlaceWorker::clear() {
 std::shared_ptr<const Place> PlaceWorker::make(const PlaceIndex& index) {
   const auto start = std::chrono::steady_clock::now();
   std::shared_ptr<const Place> made = make_(index);
-  giveFreeMemoryBack();  // as much as a place has
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   made_seconds_.store(made_seconds_.load(std::memory_order_relaxed) + seconds, std::memory_order_relaxed);
   made_count_.fetch_add(1, std::memory_order_relaxed);
@@ -165,7 +164,7 @@ void PlaceWorker::work() {
     } catch (const std::exception& error) {
       fail(made, error.what());
     }
-    if (std::exchange(given_back, madeCount()) != madeCount()) giveFreeMemoryBack();  // what its change left
+    if (std::exchange(given_back, madeCount()) != madeCount()) giveFreeMemoryBack();
     wish_count_.wait(count, std::memory_order_acquire);
   }
 }
