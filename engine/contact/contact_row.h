@@ -31,6 +31,8 @@ struct ContactRow {
   Eigen::Vector4f surface = Eigen::Vector4f::Zero();    // m, likewise of what is touched; pairs have it in `predicted`
   Eigen::Vector4f stick = Eigen::Vector4f::Zero();      // N, tangential force carried over from the last step
   Eigen::Vector4f force = Eigen::Vector4f::Zero();      // N, on the point
+  Eigen::Vector4f change = Eigen::Vector4f::Zero();     // N, of it in the last sweep
+  Eigen::Vector4f course = Eigen::Vector4f::Zero();     // N, that it took until then (Sweeps)
   float gap = 0;                                        // m, at the end of the step if there were no contact
   float highest = 1e3F;                                 // m, gap that contact brings it to at most in this step
   float largest = std::numeric_limits<float>::max();    // N, that presses at most
@@ -66,27 +68,58 @@ inline Eigen::Vector4f updateForce(ContactRow& row, const Eigen::Vector4f& incre
 /// what is left would keep a relaxation from coming to rest (a kidney's force within 1e-5 for ever).
 constexpr float settled_change = 1e-4F, settled_in_batch = 1e-6F;
 
-/// Squared sums over the rows of a sweep.
-struct SweepChange {
-  float changed = 0, size = 0;  // N^2, of the forces' changes and of the forces
-
-  /// @param tolerance  of the forces
-  bool isSettled(float tolerance) const { return changed <= tolerance * tolerance * size; }
-};
-
-/// Goes once over `count` rows.
-/// @param rowAt(k), incrementOf(row), push(row, force)  the k-th; of its point, m; adds what a force does to du
-template <class RowAt, class IncrementOf, class Push>
-void sweepRows(std::size_t count, bool forwards, SweepChange& change, RowAt rowAt, IncrementOf incrementOf, Push push) {
-  for (std::size_t k = 0; k < count; ++k) {
-    auto& row = rowAt(forwards ? k : count - 1 - k);
-    const Eigen::Vector4f changed = updateForce(row, incrementOf(row));
-    change.size += row.force.squaredNorm();
-    if (changed.isZero(0)) continue;
-    change.changed += changed.squaredNorm();
-    push(row, changed);
+/// The sweeps of a group's rows in one step. A sweep alone takes hundreds where many points hold each other by friction:
+/// so the next one starts further on the course of those before, by nonlinear conjugate gradients whose gradient is what
+/// a sweep changes (Silcowitz-Hansen, Niebe and Erleben 2010, A nonsmooth nonlinear conjugate gradient method for
+/// interactive contact force problems):
+///   beta_k = |r_k|^2 / |r_k-1|^2,   f_k+1 = sweep(f_k + beta_k p_k-1),   p_k = r_k + beta_k p_k-1
+/// with r_k what the k-th sweep changed, and from anew (beta = 0) where it changed more than the one before. What is
+/// beyond a row's law by that, the next sweep takes back.
+class Sweeps {
+ public:
+  /// Once before each sweep, with what sweepRows goes over.
+  template <class RowAt, class Push>
+  void goOn(std::size_t count, RowAt rowAt, Push push) const {
+    for (std::size_t k = 0; k < count; ++k) {
+      auto& row = rowAt(k);
+      const Eigen::Vector4f further = share_ * row.course;
+      row.course = further + row.change;
+      if (further.isZero(0)) continue;
+      row.force += further;
+      push(row, further);
+    }
   }
-}
+
+  /// Goes once over `count` rows.
+  /// @param rowAt(k), incrementOf(row), push(row, force)  the k-th; of its point, m; adds what a force does to du
+  template <class RowAt, class IncrementOf, class Push>
+  void sweepRows(std::size_t count, bool forwards, RowAt rowAt, IncrementOf incrementOf, Push push) {
+    for (std::size_t k = 0; k < count; ++k) {
+      auto& row = rowAt(forwards ? k : count - 1 - k);
+      row.change = updateForce(row, incrementOf(row));
+      size_ += row.force.squaredNorm();
+      if (row.change.isZero(0)) continue;
+      changed_ += row.change.squaredNorm();
+      push(row, row.change);
+    }
+  }
+
+  /// Once after each. @return whether it changed less than this part of the forces
+  bool end(float tolerance) {
+    const bool settled = changed_ <= tolerance * tolerance * size_;
+    share_ = changed_ <= last_ && last_ > 0 ? changed_ / last_ : 0;
+    last_ = changed_;
+    changed_ = size_ = 0;
+    return settled;
+  }
+
+  /// What comes is not on that course.
+  void startAnew() { share_ = last_ = 0; }
+
+ private:
+  float changed_ = 0, size_ = 0;  // N^2, sums over the rows
+  float last_ = 0, share_ = 0;    // what the sweep before changed, N^2; beta
+};
 
 /// What a step's contact reads and corrects.
 struct ContactStep {

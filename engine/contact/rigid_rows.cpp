@@ -219,12 +219,13 @@ std::size_t RigidRows::makeRows() {
 }
 
 bool RigidRows::sweep(bool forwards) {
-  SweepChange change;
-  sweepRows(
-      count_, forwards, change, [&](std::size_t k) -> RigidRow& { return state_->row[k]; },
-      [&](const RigidRow& row) { return interpolateAtVertex(step_.skin, vertexOf(row.point), step_.du); },
-      [&](const RigidRow& row, const Vector4f& f) { push(row.point, f); });
-  return change.isSettled(settled_on_rigid);
+  const auto rowAt = [&](std::size_t k) -> RigidRow& { return state_->row[k]; };
+  const auto pushRow = [&](const RigidRow& row, const Vector4f& f) { push(row.point, f); };
+  sweeps_.goOn(count_, rowAt, pushRow);
+  sweeps_.sweepRows(
+      count_, forwards, rowAt,
+      [&](const RigidRow& row) { return interpolateAtVertex(step_.skin, vertexOf(row.point), step_.du); }, pushRow);
+  return sweeps_.end(settled_on_rigid);
 }
 
 RigidLoads RigidRows::finish() {

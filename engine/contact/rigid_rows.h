@@ -39,6 +39,7 @@ class RigidRows final : public ContactGroup {
   double begin_, end_;
   RigidState* state_;
   std::size_t count_ = 0;  // of rows
+  Sweeps sweeps_;
 };
 
 }  // namespace palpate

@@ -80,12 +80,12 @@ std::size_t SkinRows::makeRows() {
 }
 
 bool SkinRows::sweep(bool forwards) {
-  SweepChange change;
-  sweepRows(
-      active_, forwards, change, [&](std::size_t k) -> Row& { return scratch_->row[active(k)]; },
-      [&](const Row& row) { return difference(*scratch_, row, step_.du); },
-      [&](const Row& row, const Vector4f& f) { push(row, f); });
-  return change.isSettled(step_.settled);
+  const auto rowAt = [&](std::size_t k) -> Row& { return scratch_->row[active(k)]; };
+  const auto pushRow = [&](const Row& row, const Vector4f& f) { push(row, f); };
+  sweeps_.goOn(active_, rowAt, pushRow);
+  sweeps_.sweepRows(
+      active_, forwards, rowAt, [&](const Row& row) { return difference(*scratch_, row, step_.du); }, pushRow);
+  return sweeps_.end(step_.settled);
 }
 
 SkinContact SkinRows::finish() {

@@ -32,6 +32,7 @@ class SkinRows final : public ContactGroup {
   SkinContactState* state_;
   SkinContactScratch* scratch_;
   std::size_t active_ = 0;  // rows that touch in this step, or nearly
+  Sweeps sweeps_;
 };
 
 }  // namespace palpate

@@ -164,17 +164,19 @@ void ToolRows::forEachGiving(Call call) {
 }
 
 bool ToolRows::sweep(bool forwards) {
-  SweepChange change;
+  const auto pushRow = [&](const ToolRow& row, const Vector4f& f) { push(step_, row.vertex, row.sample, f); };
+  const auto rowOf = [](const Body& body) { return [&body](std::size_t k) -> ToolRow& { return body.rows()[k]; }; };
+  for (std::size_t b = 0; b < count_; ++b) sweeps_.goOn(body_[b]->row_count, rowOf(*body_[b]), pushRow);
   for (std::size_t b = 0; b < count_; ++b) {
-    Body& body = *body_[forwards ? b : count_ - 1 - b];
-    sweepRows(
-        body.row_count, forwards, change, [&](std::size_t k) -> ToolRow& { return body.rows()[k]; },
+    const Body& body = *body_[forwards ? b : count_ - 1 - b];
+    sweeps_.sweepRows(
+        body.row_count, forwards, rowOf(body),
         [&](const ToolRow& row) -> Vector4f {
           return interpolateAt(step_, row.vertex, row.sample, step_.du) - body.shift;
         },
-        [&](const ToolRow& row, const Vector4f& f) { push(step_, row.vertex, row.sample, f); });
+        pushRow);
   }
-  bool settled = change.isSettled(step_.settled);
+  bool settled = sweeps_.end(step_.settled);
   forEachGiving([&](const Giving& giving) { settled &= giveWay(giving); });
   return settled;
 }
@@ -227,6 +229,7 @@ bool ToolRows::giveWay(Giving giving) {
   giving.measure();
   const bool gave = giving.opens ? hold.opening > 0 : !hold.way.isZero(0);
   if (giving.limit <= 0 || (giving.size <= giving.limit && !gave)) return true;
+  sweeps_.startAnew();
   double t = 0;
   if (giving.size > 0) {
     scale(giving, static_cast<float>(std::min(giving.limit / giving.size, most_growth)));

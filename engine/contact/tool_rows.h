@@ -108,6 +108,7 @@ class ToolRows final : public ContactGroup {
   const ContactStep& step_;
   std::array<std::optional<Body>, max_tool_bodies> body_;
   std::size_t count_;  // of bodies
+  Sweeps sweeps_;
 };
 
 }  // namespace palpate

