@@ -51,7 +51,8 @@ CaseContext partOf(const CaseContext& context, double begin, double all, double 
 }
 
 std::vector<Variant> variantsFor(const CaseContext& context, bool fine) {
-  if (context.quick || fine) return {variants[0], variants[3]};
+  if (context.quick) return {variants[3]};
+  if (fine) return {variants[0], variants[3]};
   return {std::begin(variants), std::end(variants)};
 }
 

@@ -44,7 +44,7 @@ inline constexpr Variant variants[] = {{"as the paper", false, false},
                                        {"consistent gradients", true, false},
                                        {"both", true, true}};
 void apply(const Variant& variant, Scene& scene);
-/// All of them; for a quick run and for a case's fine rows the first and the last.
+/// All of them; for a case's fine rows the first and the last, for a quick run the last, which bounds are for.
 std::vector<Variant> variantsFor(const CaseContext& context, bool fine = false);
 
 /// The context of a part of a case's work, of `width` from `begin` in units of which the case has `all`.

@@ -114,7 +114,7 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
     const bool is_fine = row.spacing == fine, ours = row.variant.consistent_gradients && row.variant.node_patch_volume;
     // The fine rows take most of the time.
     const double begin = context.quick || k < 6 ? static_cast<double>(k) : 6.0 + 15.0 * static_cast<double>(k - 6);
-    const CaseContext within = partOf(context, begin, context.quick ? 2 : 36, is_fine ? 15 : 1);
+    const CaseContext within = partOf(context, begin, context.quick ? 1 : 36, is_fine ? 15 : 1);
     Scene scene = boxScene(row.spacing, problem.motion);
     scene.discretization.quadrature.points_per_cell = row.points_per_cell;
     scene.discretization.quadrature.cells_per_point = row.cells_per_point;
