@@ -101,7 +101,7 @@ ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Do
 void BatchBody::findFriction() {
   std::array<double, max_tools> of_tools{};
   for (std::size_t t = 0; t < model_.tools.tool.size(); ++t) of_tools[t] = model_.tools.tool[t].friction;
-  holding_friction_.find(model_, tools_.contacts(), of_tools, rigid_, kernel_scratch_.cell_volume.friction);
+  holding_friction_.find(model_, tools_.contacts(), of_tools, skins_, rigid_, kernel_scratch_.cell_volume.friction);
 }
 
 void BatchBody::contact(double alpha, double time, Report& report) {

@@ -34,7 +34,7 @@ namespace palpate {
 /// pressure (it is doubted beyond what patches hold: step/trust.h), by the share 1 - c_a: c_a h + (1 - c_a) p^2 / 2K in
 /// place of h, and w_a is c_a times what follows.
 ///   bonded faces                       c_a = 0, but in bodies that are held all around: nothing flows across then
-///   tools and rigid bodies that rub    c_a falls with the friction that they have (looseShare)
+///   what rubs against it               c_a falls with the friction that it has (looseShare)
 /// The layers are then 1.4 and 0.2 % stiffer than by patches alone, the block 0.2 %. A face that is turned, or moved
 /// while it is bonded, curves the flow everywhere (a block bent to a ring: 17 % too stiff, 4 % by patches alone;
 /// twisted tissue of nu 0.499 finds no equilibrium): such bodies have no cells (Model::hasCellVolume).

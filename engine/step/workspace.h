@@ -103,7 +103,7 @@ class Workspace {
 
 /// For internalForces: by what a state's contacts hold. Real-time.
 inline void findHoldingFriction(const Model& model, const State& state, Workspace& workspace) {
-  workspace.holding_friction.find(model, state.contact, state.live.friction, state.rigid,
+  workspace.holding_friction.find(model, state.contact, state.live.friction, state.skins, state.rigid,
                                   workspace.kernel.cell_volume.friction);
 }
 
