@@ -415,15 +415,21 @@ TEST_CASE("An organ that is struck at the tool's highest speed is not passed thr
 
 TEST_CASE("A stiff organ that holds a soft one by friction presses it as a bonded face does",
           "[simulation][skin_contact]") {
-  // Cells take pressure over from the patches of what flows freely: beside what is held they are 10 % too stiff here.
+  // Cells take pressure over from the patches of what flows freely: beside what is held they are 9 % too stiff here.
+  constexpr double high = 0.024, pressed = 0.4 * high;
   Scene scene = test::blockScene(0.006);
   scene.boundaries.clear();
   scene.materials[0].material.set("young", 3000);
   scene.materials[0].material.set("poisson", 0.49);
   scene.tools[0].position = Vec3(0, 0, 0.2);
-  scene.organs[0].size = Vec3(0.036, 0.036, 0.018);
+  scene.organs[0].size = Vec3(0.036, 0.036, high);
   scene.organs[0].position = Vec3(0, 0, block);
-  addBoundary(scene, 0, Vec3(0, 0, block + 0.018), Vec3::UnitZ(), {true, true, true}, 0.005);
+  RigidSpec& plate = scene.rigid.emplace_back();
+  plate.region.point = Vec3(0, 0, block + high);
+  plate.region.normal = -Vec3::UnitZ();
+  plate.friction = 1;
+  plate.motion.translation = Vec3(0, 0, -pressed);
+  plate.motion.duration = 0.25;
   Scene bonded = scene;
   addBoundary(bonded, 0, Vec3(0, 0, block), Vec3::UnitZ(), {true, true, true});
   OrganSpec stiff = scene.organs[0];
@@ -433,16 +439,16 @@ TEST_CASE("A stiff organ that holds a soft one by friction presses it as a bonde
   scene.organs.push_back(stiff);
   scene.materials.push_back(scene.materials[0]);
   scene.materials[1].organ = 1;
-  scene.materials[1].material.set("young", 3e5);
+  scene.materials[1].material.set("young", 2e5);
   scene.materials[1].material.set("poisson", 0.3);
   addBoundary(scene, 1, Vec3::Zero(), Vec3::UnitZ(), {true, true, true});
   const auto force = [](const Model& model) {
     State state = initialState(model);
-    return run(model, state, 150).base_reaction.z();
+    return run(model, state, 200).base_reaction.z();
   };
   const double on_organ = force(modelOf(scene)), on_face = force(modelOf(bonded));
-  std::printf("between bonded faces %.4f N, on a stiff organ with friction %.4f N\n", on_face, on_organ);
-  CHECK(on_organ == Approx(on_face).epsilon(0.03));
+  std::printf("on a bonded face %.4f N, on a stiff organ with friction %.4f N\n", on_face, on_organ);
+  CHECK(on_organ == Approx(on_face).epsilon(0.04));
 }
 
 TEST_CASE("What stands apart in one surface file is several bodies: no support goes across the gap",
