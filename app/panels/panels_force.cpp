@@ -165,7 +165,7 @@ std::string staleMark(const ForceReading& force, const LoopStatus& status) {
   return force.age_s < 1 ? format("stale, %.0f ms old", 1e3 * force.age_s) : format("stale, %.1f s old", force.age_s);
 }
 
-/// What other organs do to each, and rigid bodies to the tissue.
+/// On tools that nobody holds, what other organs do to each, and rigid bodies to the tissue.
 void drawBodyForces(const PanelData& data) {
   const Scene& scene = data.model.scene;
   const StepReport& report = data.snapshot.report;
@@ -173,6 +173,14 @@ void drawBodyForces(const PanelData& data) {
     row(name.c_str(), format("%.3f N", force.norm()) + (error > 0 ? format(" \xC2\xB1%.0f %%", 100 * error) : ""),
         error > TrustLimits::expected_error ? colours::warning : colours::text, about);
   };
+  for (std::size_t t = 1; t < scene.tools.size(); ++t) {
+    const ToolReading& tool = data.snapshot.tools.tool[t];
+    const std::string name = "On tool " + std::to_string(t + 1);
+    show(name, Vec3(tool.force[0], tool.force[1], tool.force[2]), "force of the tissue on this tool",
+         tool.contact_count > 0 ? tool.expected_error : 0);
+    if (tool.opening > 0 || tool.pinch > 0)
+      row((name + ", pinch").c_str(), format("%.3f N, %.1f mm open", tool.pinch, 1e3 * tool.opening));
+  }
   if (scene.organs.size() > 1) {
     const std::vector<OrganSpec>& organs = scene.organs;
     for (std::size_t k = 0; k < organs.size(); ++k)
