@@ -116,6 +116,55 @@ TEST_CASE("The contact law holds at the end of a step, vertex by vertex", "[cont
   }
 }
 
+TEST_CASE("Points that move each other nearly as much as themselves settle in half of the sweeps", "[contact]") {
+  // A row of points on soft ground, pressed into a rough wall that moves along: a force on one moves those around.
+  constexpr int count = 60;
+  const auto response = [](int i, int j) { return 1e-3F * std::exp(-std::pow(static_cast<float>(i - j) / 3, 2.0F)); };
+  const auto sweepsToSettle = [&](bool goes_on, std::vector<Eigen::Vector4f>& forces) {
+    std::vector<ContactRow> rows(count);
+    std::vector<Eigen::Vector4f> increment(count, Eigen::Vector4f::Zero());
+    for (int i = 0; i < count; ++i) {
+      ContactRow& row = rows[static_cast<std::size_t>(i)];
+      row.slot = i;
+      row.normal = {0, 0, 1, 0};
+      row.gap = -1e-4F - 2e-5F * std::sin(static_cast<float>(i));
+      row.surface = {5e-5F, 0, 0, 0};
+      row.stiffness = 1e5F;
+      row.mobility = response(i, i);
+      row.friction = 0.4F;
+    }
+    const auto rowAt = [&](std::size_t k) -> ContactRow& { return rows[k]; };
+    const auto push = [&](const ContactRow& row, const Eigen::Vector4f& f) {
+      for (int j = 0; j < count; ++j) increment[static_cast<std::size_t>(j)] += response(row.slot, j) * f;
+    };
+    Sweeps sweeps;
+    int n = 0;
+    for (bool settled = false; !settled && n < 1000; ++n) {
+      if (goes_on) sweeps.goOn(count, rowAt, push);
+      sweeps.sweepRows(
+          count, n % 2 == 0, rowAt,
+          [&](const ContactRow& row) { return increment[static_cast<std::size_t>(row.slot)]; }, push);
+      settled = sweeps.end(1e-5F);
+    }
+    for (const ContactRow& row : rows) forces.push_back(row.force);
+    return n;
+  };
+  std::vector<Eigen::Vector4f> plain_forces, forces;
+  const int plain = sweepsToSettle(false, plain_forces), sweeps = sweepsToSettle(true, forces);
+  std::printf("sweeps to settle: %d, plain ones %d\n", sweeps, plain);
+  CHECK(sweeps <= plain / 2);
+  float off = 0, size = 0;
+  int sliding = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    off += (forces[i] - plain_forces[i]).squaredNorm();
+    size += plain_forces[i].squaredNorm();
+    sliding += std::hypot(forces[i].x(), forces[i].y()) > 0.399F * forces[i].z() ? 1 : 0;
+  }
+  CHECK(std::sqrt(off / size) < 1e-3F);
+  CHECK(sliding > 0);
+  CHECK(sliding < count);
+}
+
 TEST_CASE("Turning the whole world turns the forces", "[contact]") {
   const ToolShape tool = toolOf(ToolKind::FlatCylinder);
   SpringBed bed(tissueLike());
