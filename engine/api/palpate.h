@@ -128,9 +128,11 @@ typedef struct palpate_state {
                                meets no skin that way */
   double work_J;            /* that the tool has done on the tissue */
   double expected_error;    /* of forces, as a share, because the scene's cloud is no finer: 0.05 is 5 % off. Of
-                               several tools, or round rigid bodies, that press, of what is worst off. An estimate
-                               of some tenths of a second ago; 1 while something is touched and there is none yet
-                               (tenths of a second after a touch and after a restore), with doubt "resolution" */
+                               several tools, or round rigid bodies, that press, of what is worst off; where none
+                               does, of what strains the tissue otherwise (loads, other organs), or pressed last. An
+                               estimate of some tenths of a second ago; 1 while something is touched and there is
+                               none yet (tenths of a second after a touch and after a restore), with doubt
+                               "resolution" */
 } palpate_state;
 
 /* A parameter of a material's law, by the name that scenes give it: "young", "poisson", "mu". */
