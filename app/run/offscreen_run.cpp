@@ -200,7 +200,7 @@ int runOffscreen(Session& session) {
     if (!options.dump_fields) return;
     if (session.searching()) return session.log().info(stem + ": no fields, which would show the lumps");
     session.attempt([&] {
-      writeStateVtu(results.fileNamed(stem + ".vtu"), modelOf(snapshot, session.model()), snapshot.u);
+      writeStateVtu(results.fileNamed(stem + ".vtu"), modelOf(snapshot, session.model()), snapshot);
       manifest.files.push_back(stem + ".vtu");
       written("fields", results.fileNamed(stem + ".vtu"));
     });

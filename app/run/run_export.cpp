@@ -101,7 +101,7 @@ void RunExport::add(const Snapshot& snapshot) {
     if (!series_.empty() && time <= series_.back().time) return;
     const std::string file =
         format("%s/%s_%04zu.vtu", folderName(path_).c_str(), folderName(path_).c_str(), series_.size());
-    writeStateVtu((std::filesystem::path(path_).parent_path() / file).string(), modelOf(snapshot, model_), snapshot.u);
+    writeStateVtu((std::filesystem::path(path_).parent_path() / file).string(), modelOf(snapshot, model_), snapshot);
     series_.push_back({time, file});
     return;
   }

@@ -1,5 +1,6 @@
 #include "app/run/saved_files.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "app/run/result_folder.h"
@@ -57,7 +58,7 @@ std::string SavedFiles::recording(const Recording& recording) const {
 
 std::string SavedFiles::state(const Model& model, const Snapshot& snapshot) const {
   std::string path = free("state", ".vtu");
-  writeStateVtu(path, model, snapshot.u);
+  writeStateVtu(path, model, snapshot);
   return path;
 }
 
@@ -85,13 +86,16 @@ void removeScore(const std::string& json_file) {
     std::filesystem::remove(std::filesystem::path(json_file).parent_path() / name, error);
 }
 
-void writeStateVtu(const std::string& path, const Model& model, const AlignedVector<Float4>& u) {
+void writeStateVtu(const std::string& path, const Model& model, const Snapshot& snapshot) {
   std::vector<Vec3> parameters;
-  for (const Float4& one : u) parameters.push_back(toVec3(one));
-  const SolutionFields fields = solutionFields(model, parameters);
+  for (const Float4& one : snapshot.u) parameters.push_back(toVec3(one));
+  const KernelMaterials in_force = makeKernelMaterials(model.kernel, snapshot.materials);
+  const SolutionFields fields = solutionFields(model, parameters, {}, {}, &in_force);
   const std::vector<VtuField> at_nodes{vtuVectors("displacement_m", fields.displacement)};
-  const std::vector<VtuField> in_cells{
-      {"J", fields.J}, {"von_Mises_Pa", fields.von_mises}, {"pressure_Pa", fields.pressure}};
+  std::vector<VtuField> in_cells{{"J", fields.J}, {"pressure_Pa", fields.pressure}};
+  if (std::none_of(snapshot.materials.begin(), snapshot.materials.end(),
+                   [](const Material& m) { return m.relaxation_count > 0; }))
+    in_cells.push_back({"von_Mises_Pa", fields.von_mises});
   writeVtu(path, model.X, model.cells, at_nodes, in_cells);
 }
 

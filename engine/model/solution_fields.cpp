@@ -60,13 +60,13 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
 }
 
 SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u, const PointHistory& history,
-                              const AlignedVector<float>& friction) {
+                              const AlignedVector<float>& friction, const KernelMaterials* in_force) {
   SolutionFields fields;
   for (std::size_t i = 0; i < model.X.size(); ++i)
     fields.displacement.push_back(fieldAt(model.node_shape, i, [&](int j) -> const Vec3& { return u[j]; }));
 
   std::vector<Mat3> F;
-  const auto P = pointStresses(model, u, F, history, friction);
+  const auto P = pointStresses(model, u, F, history, friction, in_force);
   std::vector<double> volume(model.cells.size(), 0);
   fields.J.assign(model.cells.size(), 0);
   fields.pressure = fields.von_mises = fields.J;

@@ -18,12 +18,12 @@ struct SolutionFields {
 /// @param u        displacement parameters, m (node_count)
 /// @param history   of materials that relax; empty: their equilibrium after a long time
 /// @param friction  that holds vertices of the cells, Pa (CellVolumeScratchOf::friction); empty: none
+/// @param in_force  of a state's live parameters; null: the materials that the model was loaded with
 SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u, const PointHistory& history = {},
-                              const AlignedVector<float>& friction = {});
+                              const AlignedVector<float>& friction = {}, const KernelMaterials* in_force = nullptr);
 
 /// First Piola-Kirchhoff stress at the integration points, Pa (point_count), with the volume law of the scene.
 /// @param F  receives the deformation gradients (point_count)
-/// @param in_force  of a state's live parameters; null: the materials that the model was loaded with
 std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, std::vector<Mat3>& F,
                                 const PointHistory& history = {}, const AlignedVector<float>& friction = {},
                                 const KernelMaterials* in_force = nullptr);
