@@ -69,7 +69,7 @@ UserActions drawPanels(const Theme& theme, const PanelData& data, const Layout& 
   }
   const bool demo = !layout.panels && state.demo;
   const Rect free = demo ? besideDemoForce(layout.view, demoForcePlace(theme, data), theme.scale) : layout.view;
-  drawLegend(theme, data.colour_scale, free);
+  drawLegend(theme, data, free);
   if (state.timeline_shown && data.timeline) drawTimeline(theme, data, free, state, asked);
   drawPullForce(theme, data);
   // Its buttons are for somebody who looks on; a picture of the organ alone has none.

@@ -140,7 +140,7 @@ void drawMaterialCard(const Theme&, const PanelData&, const PanelState&, UserAct
 void drawForceCard(const Theme&, const PanelData&, float height, PanelState&, UserActions&);
 void drawTimingCard(const Theme&, const PanelData&, bool open);
 void drawLog(const Theme&, const PanelData&, bool engineer, const Rect&);
-void drawLegend(const Theme&, const ColourScale&, const Rect& view);
+void drawLegend(const Theme&, const PanelData&, const Rect& view);
 void drawNotice(const Theme&, const PanelData&, const Rect& view, bool large, UserActions&);
 void drawTimeline(const Theme&, const PanelData&, const Rect& view, PanelState&, UserActions&);
 void drawPullForce(const Theme&, const PanelData&);

@@ -68,7 +68,8 @@ void drawHelpSection(const Theme& theme, const char* title, std::span<const Help
 
 }  // namespace
 
-void drawLegend(const Theme& theme, const ColourScale& scale, const Rect& view) {
+void drawLegend(const Theme& theme, const PanelData& data, const Rect& view) {
+  const ColourScale& scale = data.colour_scale;
   if (scale.map == ColourMap::Tissue || !(scale.max > scale.min)) return;
   const float s = theme.scale;
   const float width = std::min(view.width - 40 * s, 280 * s), height = 58 * s;
@@ -78,8 +79,12 @@ void drawLegend(const Theme& theme, const ColourScale& scale, const Rect& view) 
 
   ImGui::PushFont(theme.small);
   const ColourUnit unit = unitOf(scale.map, std::max(std::abs(scale.min), std::abs(scale.max)));
-  const std::string title =
-      unit.name[0] != '\0' ? format("%s, %s", quantityName(scale.map), unit.name) : quantityName(scale.map);
+  std::string title = quantityName(scale.map);
+  const std::vector<Material>& present = data.snapshot.materials;
+  if (scale.map == ColourMap::VonMises &&
+      std::any_of(present.begin(), present.end(), [](const Material& m) { return m.relaxation_count > 0; }))
+    title += " before it relaxes";
+  if (unit.name[0] != '\0') title += std::string(", ") + unit.name;
   const float title_width = ImGui::CalcTextSize(title.c_str()).x;
   draw->AddText({corner.x + 0.5F * (width - title_width), corner.y + 6 * s}, colours::text, title.c_str());
 
