@@ -438,7 +438,6 @@ std::vector<KeySpec> materialKeys() {
   for (const CommonMaterialParameter& common : commonMaterialParameters())
     if (common.is_key) keys.push_back(materialKey(common.parameter, common.parameter.fallback, common.parameter.text));
   keys.push_back(materialKey(relaxationParameter(), "", relaxationParameter().text));
-  keys.back().set_up = never;
   return keys;
 }
 

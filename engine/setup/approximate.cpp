@@ -108,9 +108,13 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
                          "the support of the point at " + coordinates(point) + " is inadmissible (" +
                              std::to_string(failed.front().support_count) + " nodes)" +
                              (by_air ? ", as supports end at the narrow air beside it" : ""),
-                         by_air ? "lower discretization.spacing to less than the tissue's thickness there, or close "
-                                  "the air in the surface"
-                                : "raise discretization.support_factor or lower discretization.spacing");
+                         !by_air ? "raise discretization.support_factor or lower discretization.spacing"
+                         : scene.discretization.follow
+                             ? "give discretization.spacing, no wider than the air and the tissue beside it, without "
+                               "follow: far from a tool that nodes follow they are wider apart; or close the air in "
+                               "the surface"
+                             : "lower discretization.spacing to no more than the air and the tissue beside it are "
+                               "wide, or close the air in the surface");
       }
       std::vector<double> mine = radius;
       enlargeSupports(*at, failed, neighbours, mine, {groups.of_nodes, *rows});

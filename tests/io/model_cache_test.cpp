@@ -10,10 +10,12 @@
 #include "io/load_model.h"
 #include "io/model_cache.h"
 #include "io/preparation_file.h"
+#include "io/scene_file.h"
 #include "model/model_hash.h"
 #include "setup/imposed_nodes.h"
 #include "step/step.h"
 #include "step/workspace.h"
+#include "support/block_text.h"
 #include "support/equal_models.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
@@ -123,6 +125,14 @@ TEST_CASE("The key has the organ's surface and the scene's values", "[model_cach
   surface = organSurface(plain);
   std::swap(surface.triangles[0], surface.triangles[1]);
   CHECK(preparationKey(plain, surface) != key);
+}
+
+TEST_CASE("A set-up is another's where the tissue relaxes: that moves the stable step", "[model_cache]") {
+  const TempFolder folder;
+  const std::string elastic = replaced(test::touched_block_text, "poisson = 0.45", "poisson = 0.49"),
+                    relaxing = replaced(elastic, "poisson = 0.49", "poisson = 0.49\nrelaxation = [[0.5, 0.1]]");
+  const Scene a = readScene(folder.write("a.toml", elastic)), b = readScene(folder.write("b.toml", relaxing));
+  CHECK(keyOf(a) != keyOf(b));
 }
 
 TEST_CASE("A scene that no file was read for is not kept", "[model_cache]") {
