@@ -45,8 +45,8 @@ std::vector<std::string> writeScore(const std::string& json_file, const TaskScor
 /// Takes the three away, if there is such a sheet.
 void removeScore(const std::string& json_file);
 
-/// The deformed body for ParaView: displacement at the nodes; in the cells J and, of the materials in force, pressure and
-/// von Mises stress, but that of tissue that relaxes: a snapshot does not know what has.
+/// The deformed body for ParaView: displacement at the nodes; in the cells J and, of the materials in force, pressure
+/// and von Mises stress, but that of tissue that relaxes: a snapshot does not know what has.
 void writeStateVtu(const std::string& path, const Model& model, const Snapshot& snapshot);
 
 }  // namespace palpate::app

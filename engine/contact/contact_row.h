@@ -68,10 +68,10 @@ inline Eigen::Vector4f updateForce(ContactRow& row, const Eigen::Vector4f& incre
 /// what is left would keep a relaxation from coming to rest (a kidney's force within 1e-5 for ever).
 constexpr float settled_change = 1e-4F, settled_in_batch = 1e-6F;
 
-/// The sweeps of a group's rows in one step. A sweep alone takes hundreds where many points hold each other by friction:
-/// so the next one starts further on the course of those before, by nonlinear conjugate gradients whose gradient is what
-/// a sweep changes (Silcowitz-Hansen, Niebe and Erleben 2010, A nonsmooth nonlinear conjugate gradient method for
-/// interactive contact force problems):
+/// The sweeps of a group's rows in one step. Alone they take hundreds where many points hold each other by friction: so
+/// each starts further on the course of those before, by nonlinear conjugate gradients whose gradient is what a sweep
+/// changes (Silcowitz-Hansen, Niebe and Erleben 2010, A nonsmooth nonlinear conjugate gradient method for interactive
+/// contact force problems):
 ///   beta_k = |r_k|^2 / |r_k-1|^2,   f_k+1 = sweep(f_k + beta_k p_k-1),   p_k = r_k + beta_k p_k-1
 /// with r_k what the k-th sweep changed, and from anew (beta = 0) where it changed more than the one before. What is
 /// beyond a row's law by that, the next sweep takes back.
