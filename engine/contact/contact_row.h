@@ -77,12 +77,13 @@ constexpr float settled_change = 1e-4F, settled_in_batch = 1e-6F;
 /// beyond a row's law by that, the next sweep takes back.
 class Sweeps {
  public:
-  /// Once before each sweep, with what sweepRows goes over.
+  /// Once before each sweep, with what sweepRows goes over. Until the third, rows may have another step's course, which
+  /// may not be finite.
   template <class RowAt, class Push>
   void goOn(std::size_t count, RowAt rowAt, Push push) const {
     for (std::size_t k = 0; k < count; ++k) {
       auto& row = rowAt(k);
-      const Eigen::Vector4f further = share_ * row.course;
+      const Eigen::Vector4f further = share_ > 0 ? Eigen::Vector4f(share_ * row.course) : Eigen::Vector4f::Zero();
       row.course = further + row.change;
       if (further.isZero(0)) continue;
       row.force += further;
