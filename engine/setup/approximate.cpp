@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "approximation/shape_functions.h"
+#include "base/place_hash.h"
 #include "discretization/cells/adaptive_quadrature.h"
 #include "discretization/cells/cell_pairs.h"
 #include "discretization/gradients/gradient_energy.h"
@@ -14,6 +15,17 @@ namespace palpate {
 namespace {
 
 constexpr int max_enlargements = 8;  // by 1.15 each: a support radius grows at most threefold
+
+InputError unsupportedAt(const Scene& scene, const Vec3& point, int node_count, const SurfaceGaps& gaps) {
+  const bool by_air = gaps.areNear(point, 2 * scene.discretization.spacing);
+  return {placeOf(scene, by_air ? "discretization.spacing" : "discretization.support_factor"),
+          "the support of the point at " + coordinates(point) + " is inadmissible (" + std::to_string(node_count) +
+              " nodes)" + (by_air ? ", as supports end at the narrow air beside it" : ""),
+          by_air
+              ? "give discretization.spacing, no wider than the air and the tissue beside it, or close the air in the "
+                "surface"
+              : "raise discretization.support_factor or lower discretization.spacing"};
+}
 
 }  // namespace
 
@@ -60,26 +72,66 @@ SurfaceGaps gapsOf(const Scene& scene, const TriangleSurface& skin, const Surfac
   return {skin, body, widest * scene.discretization.support_factor * scene.discretization.spacing};
 }
 
-SupportLimit endingAt(const SurfaceGaps& gaps) {
+JoinedNodes joinedNodes(std::size_t node_count, const std::vector<std::array<int, 4>>& cells) {
+  JoinedNodes joined(node_count);
+  for (const auto& cell : cells)
+    for (const int i : cell) joined[i].insert(joined[i].end(), cell.begin(), cell.end());
+  for (std::vector<int>& others : joined) {
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+  }
+  return joined;
+}
+
+SupportLimit endingAt(const SurfaceGaps& gaps, const JoinedNodes& joined) {
   if (gaps.empty()) return {};
-  return [&gaps](const Vec3& x, const std::vector<Vec3>& X, std::vector<int>& support) {
+  return [&](const Vec3& x, const std::vector<Vec3>& nodes, std::vector<int>& support) {
+    constexpr std::size_t enough = 8, least = 4;  // nodes: it need not look further; that can carry it
+    const auto distance = [&](int j) { return (nodes[j] - x).norm(); };
     double furthest = 0;
-    for (const int j : support) furthest = std::max(furthest, (X[j] - x).norm());
-    if (gaps.areNear(x, furthest)) std::erase_if(support, [&](int j) { return gaps.areBetween(x, X[j]); });
+    for (const int j : support) furthest = std::max(furthest, distance(j));
+    if (support.empty() || !gaps.areNear(x, furthest)) return;
+    const auto seenFrom = [&](const Vec3& eye, const std::vector<int>& anyway) {
+      std::vector<int> seen = support;
+      std::erase_if(seen, [&](int j) {
+        return !std::binary_search(anyway.begin(), anyway.end(), j) && gaps.areBetween(eye, nodes[j]);
+      });
+      return seen;
+    };
+    std::vector<int> seen = seenFrom(x, {});
+    // Between coarse nodes facets lie in the air, and edges: what the nearest node sees, or else shares a cell with.
+    if (seen.size() < enough) {
+      const std::vector<int>& near = seen.empty() ? support : seen;
+      const int i =
+          *std::min_element(near.begin(), near.end(), [&](int a, int b) { return distance(a) < distance(b); });
+      std::vector<int> followed = seenFrom(nodes[i], {i});
+      if (followed.size() < least) followed = seenFrom(nodes[i], joined[i]);
+      if (followed.size() > seen.size()) seen = std::move(followed);
+    }
+    support = std::move(seen);
   };
 }
 
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
-                          const SurfaceGaps& gaps, const ApproximationGroups& groups,
-                          std::vector<Unsupported>* unsupported, const RowMemory* memory) {
+                          const SurfaceGaps& gaps, const std::vector<std::array<int, 4>>& cells,
+                          const ApproximationGroups& groups, std::vector<Unsupported>* unsupported,
+                          const RowMemory* memory) {
   const MmlsOptions options{scene.discretization.basis_degree, scene.discretization.mmls_weight};
   Approximation a;
+  const JoinedNodes joined = gaps.empty() ? JoinedNodes{} : joinedNodes(X.size(), cells);
+  // What rows of a node depend on besides its place and radius.
+  std::vector<std::uint64_t> mark = groups.of_nodes;
+  if (memory != nullptr && !joined.empty()) mark.resize(X.size());
+  for (std::size_t i = 0; memory != nullptr && i < joined.size(); ++i)
+    for (const int j : joined[i]) mark[i] = hashOf(X[j], mark[i]);
+  std::vector<Unsupported> left;
+  int first_count = 0;  // nodes
   for (int attempt = 0;; ++attempt) {
-    const Neighbours neighbours(X, radius, endingAt(gaps));
+    const Neighbours neighbours(X, radius, endingAt(gaps, joined));
     std::optional<RowsAtHand> at_hand;
-    if (memory != nullptr) at_hand.emplace(memory->rows, memory->number, X, radius, groups.of_nodes);
+    if (memory != nullptr) at_hand.emplace(memory->rows, memory->number, X, radius, mark);
     const std::tuple<const std::vector<Vec3>*, const std::vector<std::uint64_t>*, ShapeTable*, Wanted> parts[] = {
         {&point_X, &groups.points, &a.points, Wanted::Gradients},
         {&skin_X, &groups.skin, &a.skin, Wanted::Values},
@@ -97,32 +149,19 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
       known.part += values;
       if (failed.empty()) continue;
       admissible = false;
-      if (attempt == max_enlargements && unsupported != nullptr) {
-        for (const auto& f : failed) unsupported->push_back({(*at)[f.row], (*rows)[f.row]});
-        continue;
-      }
       if (attempt == max_enlargements) {
-        const Vec3& point = (*at)[failed.front().row];
-        const bool by_air = gaps.areNear(point, 2 * scene.discretization.spacing);
-        throw InputError(placeOf(scene, by_air ? "discretization.spacing" : "discretization.support_factor"),
-                         "the support of the point at " + coordinates(point) + " is inadmissible (" +
-                             std::to_string(failed.front().support_count) + " nodes)" +
-                             (by_air ? ", as supports end at the narrow air beside it" : ""),
-                         !by_air ? "raise discretization.support_factor or lower discretization.spacing"
-                         : scene.discretization.follow
-                             ? "give discretization.spacing, no wider than the air and the tissue beside it, without "
-                               "follow: far from a tool that nodes follow they are wider apart; or close the air in "
-                               "the surface"
-                             : "lower discretization.spacing to no more than the air and the tissue beside it are "
-                               "wide, or close the air in the surface");
+        if (left.empty()) first_count = failed.front().support_count;
+        for (const auto& f : failed) left.push_back({(*at)[f.row], rows->empty() ? 0 : (*rows)[f.row]});
+        continue;
       }
       std::vector<double> mine = radius;
       enlargeSupports(*at, failed, neighbours, mine, {groups.of_nodes, *rows});
       for (std::size_t i = 0; i < mine.size(); ++i) enlarged[i] = std::max(enlarged[i], mine[i]);
     }
+    if (!left.empty() && unsupported == nullptr) throw unsupportedAt(scene, left.front().at, first_count, gaps);
     at_hand.reset();
     if (memory != nullptr) {
-      KnownRows& found = memory->rows = {memory->number, X, radius, groups.of_nodes, {}};
+      KnownRows& found = memory->rows = {memory->number, X, radius, mark, {}};
       auto part = found.part.begin();
       for (const auto& [at, rows, table, wanted] : parts)
         if (wanted == Wanted::Values) *part++ = {*at, *rows, *table};
@@ -130,6 +169,7 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
     if (admissible || attempt == max_enlargements) break;
     radius = enlarged;
   }
+  if (unsupported != nullptr) *unsupported = std::move(left);
   a.radius = radius;
   return a;
 }

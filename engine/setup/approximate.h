@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -49,17 +50,24 @@ struct RowMemory {
 /// The gaps of a scene's body that supports could reach across. @param skin  as the tool touches it, m
 SurfaceGaps gapsOf(const Scene& scene, const TriangleSurface& skin, const SurfaceTree& body);
 
-/// Supports end at gaps, which must outlive it; null where there are none.
-SupportLimit endingAt(const SurfaceGaps& gaps);
+/// Of each node those that it shares a cell with, and itself (node_count).
+using JoinedNodes = std::vector<std::vector<int>>;
+JoinedNodes joinedNodes(std::size_t node_count, const std::vector<std::array<int, 4>>& cells);
 
-/// @param gaps         at which supports end
+/// Supports end at gaps; null where there are none. What sees too few nodes to follow them, such as a point of a facet
+/// between coarse nodes that lies in the air, follows those that its nearest node sees or shares a cell with. Gaps and
+/// nodes must outlive it.
+SupportLimit endingAt(const SurfaceGaps& gaps, const JoinedNodes& joined);
+
+/// @param gaps, cells  at which supports end (endingAt)
 /// @param groups       empty: supports reach over all borders
 /// @param unsupported  receives such places; null: they are an InputError
 /// @param memory       or null
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
-                          const SurfaceGaps& gaps, const ApproximationGroups& groups = {},
-                          std::vector<Unsupported>* unsupported = nullptr, const RowMemory* memory = nullptr);
+                          const SurfaceGaps& gaps, const std::vector<std::array<int, 4>>& cells,
+                          const ApproximationGroups& groups = {}, std::vector<Unsupported>* unsupported = nullptr,
+                          const RowMemory* memory = nullptr);
 
 }  // namespace palpate

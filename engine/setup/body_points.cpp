@@ -137,9 +137,10 @@ ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std
     SupportGroups own = groups;
     if (!own.row.empty()) own.row = picked(groups.row, rows);
     std::vector<InadmissibleSupport> bad;
+    const SurfaceGaps& gaps = *model.gaps[static_cast<std::size_t>(p)];
+    const JoinedNodes joined = gaps.empty() ? JoinedNodes{} : joinedNodes(model.X.size(), model.cells);
     tables.push_back(shapeFunctions(picked(points, rows), model.X, radius,
-                                    Neighbours(model.X, radius, endingAt(*model.gaps[static_cast<std::size_t>(p)])),
-                                    options, bad, own));
+                                    Neighbours(model.X, radius, endingAt(gaps, joined)), options, bad, own));
     for (InadmissibleSupport& f : bad) {
       f.row = rows[static_cast<std::size_t>(f.row)];
       failed.push_back(f);

@@ -91,8 +91,8 @@ Approximation approximateSharply(const Scene& scene, const SurfaceTree& tree, co
       groups.boundary.resize(static_cast<std::size_t>(side.end), GroupBits{1} << side.group);
     constexpr int patience = 8;  // rounds in which cells may join their neighbours
     std::vector<Unsupported> unsupported;
-    Approximation shape = approximate(scene, X, radius, points.X, skin_X, facet_X, sharp.boundary.X, gaps, groups,
-                                      attempt < patience ? &unsupported : nullptr, memory);
+    Approximation shape = approximate(scene, X, radius, points.X, skin_X, facet_X, sharp.boundary.X, gaps, cells.cells,
+                                      groups, attempt < patience ? &unsupported : nullptr, memory);
     if (!unsupported.empty()) {
       joinGroups(unsupported, cells.cells, middle, group);
       continue;
@@ -205,7 +205,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
     const BoundaryPoints boundary = consistencyPoints(scene, cloud, outer, p.essential);
     report("shape functions", 0.44);
     shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X, boundary.X, gaps,
-                        {}, nullptr, memory);
+                        cells.cells, {}, nullptr, memory);
     report("consistent gradients", 0.58);
     if (scene.discretization.formulation.consistent_gradients)
       correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, gradient_tolerance);

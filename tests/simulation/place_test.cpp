@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "discretization/nodes/node_scatter.h"
+#include "discretization/surface/polygon_triangles.h"
 #include "discretization/surface/surface_bodies.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
@@ -559,4 +560,66 @@ position = [-0.01, 0.004, 0.04]
   const Places places = makePlaces(scene, organSurface(scene));
   for (const double x : {-0.06, -0.01, 0.02, 0.06})
     CHECK(makePlace(places, indexAt(places, Vec3(x, 0, 0.03))).model.nodeCount() > 500);
+}
+
+TEST_CASE("A lamella between narrow air, thinner than coarse nodes are apart, is carried by its own", "[place]") {
+  // A block with slits of 1 and 3 mm, and between them a lamella 1 mm thick at its foot and 6 mm at its top, mm.
+  const double top = 41.2, foot = 15.4, depth = 0.034;
+  const std::array<std::array<double, 2>, 12> outline = {{{0, 0},
+                                                          {78.5, 0},
+                                                          {78.5, top},
+                                                          {49, top},
+                                                          {43.6, foot},
+                                                          {40.6, foot},
+                                                          {46, top},
+                                                          {40.2, top},
+                                                          {39.5, foot},
+                                                          {38.5, foot},
+                                                          {39.2, top},
+                                                          {0, top}}};
+  TriangleSurface block;
+  for (const double y : {0.0, depth})
+    for (const auto& [x, z] : outline) block.vertices.emplace_back(1e-3 * x, y, 1e-3 * z);
+  CutBudget budget;
+  const int corners = static_cast<int>(outline.size());
+  for (const auto& [a, b, c] : polygonTriangles({block.vertices.data(), outline.size()}, budget)) {
+    block.triangles.push_back({a, b, c});
+    block.triangles.push_back({a + corners, c + corners, b + corners});
+  }
+  for (int a = 0; a < corners; ++a) {
+    const int b = (a + 1) % corners;
+    block.triangles.push_back({a, a + corners, b + corners});
+    block.triangles.push_back({a, b + corners, b});
+  }
+  Scene scene = test::barScene();
+  scene.tools[0].shape.radius = 0.012;
+  scene.tools[0].position = Vec3(0.0628, depth / 2, 0.0554);
+  const Places places = makePlaces(scene, block);
+  CHECK(places.sizes.coarse > 0.006);
+  for (const double x : {0.063, 0.044, 0.01}) {
+    const Place place = makePlace(places, indexAt(places, Vec3(x, depth / 2, 1e-3 * top)));
+    const SkinModel& skin = place.model.skin;
+    const auto inLamella = [&](const Vec3& at) {  // or less than half a slit beside it
+      const double up = (1e3 * at.z() - foot) / (top - foot);
+      return up > 0.2 && 1e3 * at.x() > 39 + 0.7 * up && 1e3 * at.x() < 42 + 5.4 * up;
+    };
+    int in_lamella = 0;
+    double from_beside = 0;  // parts of rows
+    double most = 0;         // m, that a row misses its vertex by
+    for (int v = 0; v < skin.vertexCount(); ++v) {
+      const Vec3& at = skin.surface.vertices[v];
+      Vec3 followed = Vec3::Zero();
+      for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
+        const Vec3& node = place.model.X[skin.node[e]];
+        followed += skin.N[e] * node;
+        const bool is_beside = 1e3 * node.z() > foot + 0.2 * (top - foot) && !inLamella(node);
+        if (inLamella(at) && is_beside) from_beside += std::abs(skin.N[e]);
+      }
+      in_lamella += inLamella(at);
+      most = std::max(most, (followed - at).norm());
+    }
+    CHECK(in_lamella > 50);
+    CHECK(from_beside < 0.002 * in_lamella);  // 0.09 of it if gaps ended at the skin
+    CHECK(most < 1e-6);
+  }
 }

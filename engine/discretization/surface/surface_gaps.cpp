@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -76,35 +76,75 @@ double thicknessOf(const SurfaceTree& body, double share) {
   return everywhere;
 }
 
+namespace {
+
+/// What looks at each other across a gap, m.
+struct Screen {
+  std::array<Vec3, 3> corner;
+  std::array<double, 3> gap{};
+  bool exists = false;
+};
+
+/// The screen before a face, which exists where all of the face looks at skin.
+Screen screenBefore(const SurfaceTree& body, const std::array<Vec3, 3>& face, double widest) {
+  const auto& [a, b, c] = face;
+  const Vec3 area = (b - a).cross(c - a), middle = (a + b + c) / 3;
+  Screen screen;
+  if (!(area.squaredNorm() > 0)) return screen;
+  const Vec3 normal = area.normalized();
+  const double lift = lift_of_edge * std::sqrt(area.norm());
+  const auto across = [&](const Vec3& from) { return wayAcross(body, from, normal, lift, widest); };
+  screen.exists = across(middle) > 0;
+  for (std::size_t k = 0; screen.exists && k < 3; ++k) {
+    screen.gap[k] = across(face[k] + inward * (middle - face[k]));
+    screen.exists = screen.gap[k] > 0;
+    screen.corner[k] = face[k] + screen_at * screen.gap[k] * normal;
+  }
+  return screen;
+}
+
+void add(const std::array<Vec3, 3>& corners, TriangleSurface& screens) {
+  const int at = static_cast<int>(screens.vertices.size());
+  screens.vertices.insert(screens.vertices.end(), corners.begin(), corners.end());
+  screens.triangles.push_back({at, at + 1, at + 2});
+}
+
+}  // namespace
+
 SurfaceGaps::SurfaceGaps(const TriangleSurface& skin, const SurfaceTree& body, double widest) {
   const int count = static_cast<int>(skin.triangles.size());
-  std::vector<std::array<Vec3, 3>> screen(static_cast<std::size_t>(count));
-  std::vector<std::uint8_t> has_screen(static_cast<std::size_t>(count), 0);
+  std::vector<Screen> screen(static_cast<std::size_t>(count));
   parallelFor(count, [&](int first, int last) {
     for (int t = first; t < last; ++t) {
-      const std::array<int, 3>& corner = skin.triangles[t];
-      const Vec3 &a = skin.vertices[corner[0]], &b = skin.vertices[corner[1]], &c = skin.vertices[corner[2]];
-      const Vec3 area = (b - a).cross(c - a), middle = (a + b + c) / 3;
-      if (!(area.squaredNorm() > 0)) continue;
-      const Vec3 normal = area.normalized();
-      const double lift = lift_of_edge * std::sqrt(area.norm());
-      const auto across = [&](const Vec3& from) { return wayAcross(body, from, normal, lift, widest); };
-      bool all = across(middle) > 0;
-      for (std::size_t k = 0; all && k < 3; ++k) {
-        const Vec3& x = skin.vertices[corner[k]];
-        const double gap = across(x + inward * (middle - x));
-        all = gap > 0;
-        screen[t][k] = x + screen_at * gap * normal;
-      }
-      has_screen[t] = all;
+      const auto& [a, b, c] = skin.triangles[t];
+      screen[t] = screenBefore(body, {skin.vertices[a], skin.vertices[b], skin.vertices[c]}, widest);
     }
   });
+  using Edge = std::pair<int, int>;
+  std::set<Edge> edges;  // as the screens' faces turn
+  const auto edgeOf = [&](int t, std::size_t k) { return Edge{skin.triangles[t][k], skin.triangles[t][(k + 1) % 3]}; };
+  for (int t = 0; t < count; ++t)
+    for (std::size_t k = 0; screen[t].exists && k < 3; ++k) edges.insert(edgeOf(t, k));
   TriangleSurface screens;
   for (int t = 0; t < count; ++t) {
-    if (!has_screen[t]) continue;
-    const int at = static_cast<int>(screens.vertices.size());
-    screens.vertices.insert(screens.vertices.end(), screen[t].begin(), screen[t].end());
-    screens.triangles.push_back({at, at + 1, at + 2});
+    if (!screen[t].exists) continue;
+    const auto& [corner, gap, exists] = screen[t];
+    add(corner, screens);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [from, to] = edgeOf(t, k);
+      if (edges.contains({to, from})) continue;
+      // Where a gap opens, its screen goes on as far as it is wide, or lips would hold each other along their rims.
+      const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+      const Vec3 along = (corner[l] - corner[k]).normalized(), back = corner[m] - corner[k];
+      const Vec3 out = -(back - back.dot(along) * along).normalized();
+      const Vec3 p = corner[k] + gap[k] * out, q = corner[l] + gap[l] * out, from_middle = (corner[k] + corner[l]) / 2;
+      const auto inTissue = [&](double share) {
+        return body.inside(from_middle + share * ((p + q) / 2 - from_middle));
+      };
+      if (inTissue(inward) || inTissue(0.5) || inTissue(1)) continue;
+      add({corner[k], p, q}, screens);
+      add({corner[k], q, corner[l]}, screens);
+    }
   }
   if (!screens.triangles.empty()) screens_.emplace(std::move(screens));
 }

@@ -25,10 +25,23 @@ TEST_CASE("Ways across a slit are known from those around its end and from those
       CHECK_FALSE(gaps.areBetween(at(x, y, 3), at(5.5, 2.5, 5.9)));
       CHECK_FALSE(gaps.areBetween(at(x, y, 7), at(5.5, 2.5, 9)));
     }
+  // Along the slit's rims, at its mouth and at its sides, and just outside of them, but not around its end.
+  for (const double out : {0.0, 0.2}) {
+    CHECK(gaps.areBetween(at(10 + out, 2.5, 6), at(10 + out, 2.5, 7)));
+    CHECK(gaps.areBetween(at(10 + out, 4, 5), at(10 + out, 1, 8)));
+    CHECK(gaps.areBetween(at(7, -out, 6), at(7, -out, 7)));
+    CHECK(gaps.areBetween(at(7, 5 + out, 5.5), at(8, 5 + out, 7.5)));
+  }
+  CHECK_FALSE(gaps.areBetween(at(4.9, 2.5, 6), at(4.9, 2.5, 7)));
   CHECK_FALSE(gaps.areBetween(at(4.5, 2.5, 3), at(4.5, 2.5, 9)));
   CHECK(gaps.areNear(at(8, 2.5, 9), 3 * h));
   CHECK_FALSE(gaps.areNear(at(1, 2.5, 9), 3 * h));
   CHECK(SurfaceGaps(skin, body, 0.5 * h).empty());  // the slit is wider
+
+  // With less below its end than it is wide, what is there stays whole.
+  const auto thin = [](const Vec3& x) { return x.x() < 1 || x.z() < 5 || x.z() > 7; };
+  const TriangleSurface thin_skin = test::cubes({10, 5, 12}, h, thin);
+  CHECK_FALSE(SurfaceGaps(thin_skin, SurfaceTree(thin_skin), 0.01).areBetween(at(0.5, 2.5, 3), at(0.5, 2.5, 9)));
 }
 
 TEST_CASE("What bulges, and a corner that looks inward, have no gaps, a cavity does where it is narrow",
