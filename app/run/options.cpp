@@ -209,6 +209,7 @@ void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache, Te
   app.add_option("--device", o.device,
                  "Let a haptic device hold the probe: udp[:PORT] (a bridge program), simulated, or ws://localhost:PORT "
                  "(a vendor's service), e.g. --device udp:7711")
+      ->check([](const std::string& name) { return name.empty() ? "give a device, or leave --device out" : ""; }, "")
       ->type_name("DEVICE");
   app.add_option("--out", o.out,
                  "Folder for picture, force curve and report (off-screen: out/<scene>), e.g. --out /tmp/run")

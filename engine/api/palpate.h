@@ -427,8 +427,9 @@ PALPATE_API int32_t palpate_move_region(palpate_simulation* simulation, int32_t 
 /* (control, stopped) Records all input from here on: tools, pulls, loads, pins, regions, friction and materials, those
  * that are set already included. A recording begins at rest: PALPATE_REFUSED after the first tick, unless palpate_reset
  * follows; and as long as it lasts, so are palpate_restore and, stopped, palpate_reset.
- * palpate_record_stop writes what `palpate SCENE --replay FILE` repeats bit for bit; NULL: nothing is written. Where
- * the file can't be written (PALPATE_FAILED) an earlier one stays, and it goes on recording: name another one. */
+ * palpate_record_stop writes what `palpate SCENE --replay FILE` repeats bit for bit (of a model that options.set
+ * changed: with a scene file that says so); NULL: nothing is written. Where the file can't be written (PALPATE_FAILED)
+ * an earlier one stays, and it goes on recording: name another one. */
 PALPATE_API int32_t palpate_record_start(palpate_simulation* simulation, palpate_error* error);
 PALPATE_API int32_t palpate_record_stop(palpate_simulation* simulation, const char* file, palpate_error* error);
 
@@ -487,7 +488,7 @@ typedef struct palpate_material_number {
  * rounding, with the laws of `mtled solve`: materials that relax after a long time, gravity and prescribed motions of
  * the scene only. PALPATE_BAD_INPUT where the scene has several tools, jaws, friction, rigid bodies, loads on its skin
  * or boundary_method "ebciem", which sensitivities are not for; PALPATE_REFUSED where the body does not come to rest,
- * or what holds the organ stands in the tool's way.
+ * or the organ, or what holds it, stands in the tool's way.
  * The tool touches the skin's vertices alone: where the skin is stretched by more than half, a simulation's touches
  * more points, and its force may be some percent larger, which palpate_equilibrium_expected_error counts.
  * @param pose     (7); NULL: there is no tool
@@ -497,15 +498,16 @@ PALPATE_API int32_t palpate_settle(const palpate_model* model, const double* pos
                                    palpate_equilibrium** equilibrium, palpate_error* error);
 PALPATE_API void palpate_equilibrium_destroy(palpate_equilibrium* equilibrium);
 
-/* The same body and tool with another value of a number; the contact layer's stiffness, and how node patches average,
- * stay as loaded. Where it is refused, all is as before.
+/* The same body and tool with another value of a number; how node patches average pressure stays as loaded. Where it is
+ * refused, all is as before.
  * @param value  receives a quantity */
 PALPATE_API int32_t palpate_settle_with(palpate_equilibrium* equilibrium, const palpate_material_number* number,
                                         double value, palpate_error* error);
 PALPATE_API int32_t palpate_equilibrium_value(palpate_equilibrium* equilibrium, const palpate_quantity* quantity,
                                               double* value, palpate_error* error);
 
-/* How far off the tool's force is for the nodes that there are, as a share of it; as palpate_state.expected_error. */
+/* How far off the tool's force is for the nodes that there are, as a share of it; as palpate_state.expected_error, but
+ * of all that strains the tissue: where weight or prescribed motions do, too, up to several times what it is there. */
 PALPATE_API int32_t palpate_equilibrium_expected_error(palpate_equilibrium* equilibrium, double* share);
 
 /* The derivatives of a quantity to numbers of materials, in its unit over theirs, by the adjoint: one linear solution

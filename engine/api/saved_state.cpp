@@ -137,7 +137,10 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
     if (header.model != modelHash(*simulation->model))
       throw Refusal(PALPATE_BAD_INPUT,
                     "the state was saved of another model: load its scene, with the same rate and settings");
-    if (size != sizeOf(*simulation) || header.size != size || header.sum != sumOf(at, size))
+    if (header.size != size)
+      throw Refusal(PALPATE_BAD_INPUT, "the saved state has " + std::to_string(header.size) + " bytes, and these are " +
+                                           std::to_string(size));
+    if (size != sizeOf(*simulation) || header.sum != sumOf(at, size))
       throw Refusal(PALPATE_BAD_INPUT, "the saved state is damaged");
 
     if (simulation->recorder)

@@ -6,6 +6,7 @@
 #include "base/float4.h"
 #include "model/live_parameters.h"
 #include "model/solution_fields.h"
+#include "setup/body_points.h"
 #include "setup/mixtures.h"
 #include "step/held_nodes.h"
 #include "step/rim_force.h"
@@ -21,6 +22,10 @@ KernelLayoutOf<double> kernelInDouble(const Model& model, const std::vector<Mate
                                          mixtureBases(model.scene));
   if (model.hasCellVolume()) kernel.cell_volume = makeCellVolume<double>(model.cellVolume());
   return kernel;
+}
+
+double layerModulus(const Material& m) {
+  return palpate::layerModulus(m.bulk_modulus, m.shear_modulus + m.fibre_modulus / 3);
 }
 
 }  // namespace
@@ -55,6 +60,16 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
 void BatchBody::setMaterials(const std::vector<Material>& materials) {
   if (!mixtureBases(model_.scene).empty()) kernel_ = kernelInDouble(model_, materials);  // has the mixtures' shares
   materials_ = makeKernelMaterials(kernel_, materials);
+  if (below_.empty()) {
+    skin_ = model_.skin;
+    for (const int q : nearestPoints(model_, skin_.surface.vertices, model_.bodies.body))
+      below_.push_back(model_.point_material[static_cast<std::size_t>(q)]);
+  }
+  layer_share_.clear();
+  for (std::size_t m = 0; m < materials.size(); ++m)
+    layer_share_.push_back(layerModulus(materials[m]) / layerModulus(model_.materials[m]));
+  for (std::size_t v = 0; v < below_.size(); ++v)
+    skin_.layer[v] = static_cast<float>(model_.skin.layer[v] * layerShare(static_cast<int>(v)));
 }
 
 void BatchBody::moveRegion(int region, const Vec3& shift, AlignedVector<Double4>& increment) {
@@ -111,8 +126,12 @@ void BatchBody::contact(double alpha, double time, Report& report) {
     du_float_[i] = du_before_[i] = toFloat(du[i]);
   }
   findSkinPairs(model_.bodies, model_.skin, u_float_.data(), du_before_.data(), 1, skins_, skins_scratch_);
-  const ContactStep step{model_.skin,     static_cast<float>(alpha), inverse_mass_float_.data(),
-                         u_float_.data(), du_float_.data(),          settled_in_batch};
+  const ContactStep step{below_.empty() ? model_.skin : skin_,
+                         static_cast<float>(alpha),
+                         inverse_mass_float_.data(),
+                         u_float_.data(),
+                         du_float_.data(),
+                         settled_in_batch};
   HeldNodes held([&] {
     for (std::size_t i = 0; i < u.size(); ++i)
       du_held_[i] = {du[i].x + (du_float_[i].x - du_before_[i].x), du[i].y + (du_float_[i].y - du_before_[i].y),

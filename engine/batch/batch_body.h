@@ -62,9 +62,13 @@ class BatchBody {
   void restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
                const AlignedVector<double>& history = {});
 
-  /// Materials in place of the loaded ones, by the same laws (model.materials.size()). What the model had them for
-  /// otherwise stays: masses, weights, the contact layer, what node patches average.
+  /// Materials in place of the loaded ones, by the same laws (model.materials.size()), with the contact layer that goes
+  /// with them. What the model had them for otherwise stays: masses, weights, what node patches average.
   void setMaterials(const std::vector<Material>& materials);
+  /// How stiff the contact layer before a vertex of the skin is, as a share of what it was loaded as.
+  double layerShare(int vertex) const {
+    return layer_share_.empty() ? 1 : layer_share_[static_cast<std::size_t>(below_[static_cast<std::size_t>(vertex)])];
+  }
 
   /// increment += M^-1 Phi^T A^-1 (0 - Phi increment): then it moves no imposed node. reactions() are those of a body
   /// whose forces are M increment.
@@ -107,6 +111,9 @@ class BatchBody {
   SpinTeam team_;
   KernelLayoutOf<double> kernel_;
   KernelMaterialsOf<double> materials_;
+  SkinModel skin_;                   // with other layers, where materials were set
+  std::vector<int> below_;           // (vertex_count) material below a vertex, likewise
+  std::vector<double> layer_share_;  // (material_count) likewise
   KernelScratchOf<double> kernel_scratch_;
   RelaxationHistoryOf<double> history_;
   double history_step_ = 0;  // s; 0: no history is kept

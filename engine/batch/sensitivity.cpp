@@ -136,7 +136,7 @@ void EquilibriumSensitivity::findContact() {
   if (!tool_) return;
   for (int v = 0; v < model_.skin.vertexCount(); ++v) {
     ContactPoint point{v,
-                       static_cast<double>(model_.skin.layer[static_cast<std::size_t>(v)]) *
+                       body_.layerShare(v) * static_cast<double>(model_.skin.layer[static_cast<std::size_t>(v)]) *
                            model_.skin.area[static_cast<std::size_t>(v)],
                        true};
     const double distance = toolDistance(profile_, tool_->toLocal(placeOf(point, u_))).distance;
@@ -301,6 +301,9 @@ void EquilibriumSensitivity::settle(const std::optional<Pose>& tool, double time
                return toolDistance(profile_, pose.toLocal(x)).distance <= 0;
              });
     };
+    if (!touches(*tool) && surface.firstHit(tool->position, axis))
+      throw std::runtime_error(
+          "the tool touches nothing there, and the organ is in its way from outside, along its axis");
     int steps = 0;
     while (touches(away(steps)) && 0.25 * radius * steps < 2 * size_) ++steps;
     solver.resume(0, rest, away(steps));
@@ -396,8 +399,9 @@ bool EquilibriumSensitivity::isSymmetric() {
          rounding * std::sqrt(std::abs(dotOf(v[0], Kv[0]) * dotOf(v[1], Kv[1])));
 }
 
-/// df/dp, N over the number's unit.
-void EquilibriumSensitivity::differentiateForce(const MaterialNumber& number, Field& slope) {
+/// df/dp, N over the number's unit, where nothing moves.
+/// @return the same of the force on the tool
+Vec3 EquilibriumSensitivity::differentiateForce(const MaterialNumber& number, Field& slope) {
   const std::vector<Material> before = of_scene_;
   const Parameter& parameter = parameterOf(scene_, before, number);
   Material& material = of_scene_[static_cast<std::size_t>(number.material)];
@@ -414,15 +418,20 @@ void EquilibriumSensitivity::differentiateForce(const MaterialNumber& number, Fi
     throw InputError(scene_.place, inQuotes(number.name) + " is at an end of its range, where it has no derivative",
                      "give it another value, or leave it out");
   std::fill(slope.begin(), slope.end(), Double4{});
+  Vec3 on_tool = Vec3::Zero();
   for (const auto& [steps, weight] : {std::pair{-2, 1.0}, {-1, -8.0}, {1, 8.0}, {2, -1.0}}) {
     value = middle + steps * h;
     material.set(number.name, values);
     body_.setMaterials(modelMaterials());
-    body_.forces(u_, f_plus_);
+    findContact();
+    unbalanced(u_, f_plus_);
     addTo(slope, weight / (12 * h), f_plus_);
+    on_tool += weight / (12 * h) * toolForce();
   }
   of_scene_ = before;
   body_.setMaterials(modelMaterials());
+  findContact();
+  return on_tool;
 }
 
 std::vector<double> EquilibriumSensitivity::derivatives(const EquilibriumQuantity& q,
@@ -453,6 +462,9 @@ std::vector<double> EquilibriumSensitivity::derivatives(const EquilibriumQuantit
   const bool of_region = largestOf(lift) > 0;
   if (!of_region && !(largestOf(r) > 0)) return std::vector<double>(numbers.size());
   const double tolerance = std::max(1e-10, accuracy_);
+  const auto explicitSlope = [&](const Vec3& of_tool) {
+    return q.kind == Kind::ToolForce ? q.direction.dot(of_tool) : 0;
+  };
   std::vector<double> slopes;
   Field df(u_.size());
   if (isSymmetric()) {
@@ -463,16 +475,16 @@ std::vector<double> EquilibriumSensitivity::derivatives(const EquilibriumQuantit
     }
     solve(r, l, tolerance, Difference::Central);
     for (const MaterialNumber& number : numbers) {
-      differentiateForce(number, df);
-      slopes.push_back(dotOf(l, df));
+      const double at_once = explicitSlope(differentiateForce(number, df));
+      slopes.push_back(at_once + dotOf(l, df));
     }
     return slopes;
   }
   for (const MaterialNumber& number : numbers) {
-    differentiateForce(number, df);
+    const double at_once = explicitSlope(differentiateForce(number, df));
     Field du(u_.size());
     solve(df, du, tolerance, Difference::Central);
-    double slope = dotOf(r, du);
+    double slope = at_once + dotOf(r, du);
     if (of_region) {
       multiply(du, product, Difference::Central);
       addTo(df, -1, product);

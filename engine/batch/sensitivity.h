@@ -33,15 +33,15 @@ struct EquilibriumQuantity {
 /// materials by the adjoint (Bendsoe & Sigmund, Topology Optimization, 2003, app. 5.1). With internal forces F, the
 /// contact layer's f_c, the weight w, and tractions t that hold the imposed nodes,
 ///
-///   F(u, p) - f_c(u) - w - Phi^T t = 0,   Phi u = u_bar
-///   K l + Phi^T m = dq/du,   Phi l = -dq/dt      K = dF/du - df_c/du, where it is symmetric
-///   dq/dp = -l . dF/dp
+///   r(u, p) - Phi^T t = 0,   Phi u = u_bar       r = F(u, p) - f_c(u, p) - w
+///   K l + Phi^T m = dq/du,   Phi l = -dq/dt      K = dr/du, where it is symmetric
+///   dq/dp = (dq/dp)_u - l . (dr/dp)_u
 ///
-/// one linear solution for each quantity q, whatever the number of parameters p; dF/dp are differences of forces at
+/// one linear solution for each quantity q, whatever the number of parameters p; (d/dp)_u are differences of forces at
 /// one u, which cost no solution. Where tissue is pressed to its limit of pressure, K is not quite symmetric
-/// (cell_volume.h); then one linear solution for each p, K du/dp = -dF/dp. What is differentiated is the answer at rest
+/// (cell_volume.h); then one linear solution for each p, K du/dp = -dr/dp. What is differentiated is the answer at rest
 /// for a tool that stays where it is, with the points in contact held to be those that are; one that just touches has a
-/// left and a right derivative. Held as loaded: the contact layer's stiffness, the share of pressure that node patches
+/// left and a right derivative. Held as loaded: the share of pressure that node patches
 /// average, and the weight. Materials that relax are those of after a long time.
 ///
 /// Equilibria are those of StaticSolver's laws, polished by Newton's method; linear systems by projected conjugate
@@ -67,7 +67,7 @@ class EquilibriumSensitivity {
 
   /// The equilibrium with the tool at a pose, come to along its axis from outside; or without a tool.
   /// @param time  s, of the load curves of imposed motions
-  /// Throws std::runtime_error where there is none.
+  /// Throws std::runtime_error where there is none, or the tool stands where it can't come.
   void settle(const std::optional<Pose>& tool, double time = 0);
 
   /// The same from a displacement that is near, of the same tool and time: by Newton's method alone.
@@ -116,7 +116,7 @@ class EquilibriumSensitivity {
   double precondition(Field& r, Field& g);
   void solve(Field r, Field& x, double tolerance, Difference difference);
   bool isSymmetric();
-  void differentiateForce(const MaterialNumber& number, Field& slope);
+  Vec3 differentiateForce(const MaterialNumber& number, Field& slope);
   void polish();
 
   const Model& model_;

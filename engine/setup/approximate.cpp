@@ -15,6 +15,20 @@ namespace palpate {
 namespace {
 
 constexpr int max_enlargements = 8;  // by 1.15 each: a support radius grows at most threefold
+constexpr int patient_enlargements = 4;  // before those that fail look further (Sight::in_need)
+
+/// What rows of nodes depend on besides their places and radii (node_count), or nothing: groups, cells beside gaps, and
+/// whether they take part.
+std::vector<std::uint64_t> marksOf(const std::vector<std::uint64_t>& groups, const Sight& sight,
+                                   const std::vector<Vec3>& X) {
+  std::vector<std::uint64_t> mark = groups;
+  if (!sight.joined.empty() || !sight.lonely.empty()) mark.resize(X.size());
+  for (std::size_t i = 0; i < sight.joined.size(); ++i)
+    for (const int j : sight.joined[i]) mark[i] = hashOf(X[j], mark[i]);
+  for (std::size_t i = 0; i < sight.lonely.size(); ++i)
+    if (sight.lonely[i] != 0) mark[i] = ~mark[i];
+  return mark;
+}
 
 InputError unsupportedAt(const Scene& scene, const Vec3& point, int node_count, const SurfaceGaps& gaps) {
   const bool by_air = gaps.areNear(point, 2 * scene.discretization.spacing);
@@ -72,25 +86,34 @@ SurfaceGaps gapsOf(const Scene& scene, const TriangleSurface& skin, const Surfac
   return {skin, body, widest * scene.discretization.support_factor * scene.discretization.spacing};
 }
 
-JoinedNodes joinedNodes(std::size_t node_count, const std::vector<std::array<int, 4>>& cells) {
-  JoinedNodes joined(node_count);
+std::vector<std::uint8_t> lonelyNodes(const ShapeTable& rows, std::size_t node_count) {
+  std::vector<std::uint8_t> lonely(node_count, 1);
+  for (const int j : rows.node) lonely[j] = 0;
+  if (std::count(lonely.begin(), lonely.end(), 1) == 0) lonely.clear();
+  return lonely;
+}
+
+Sight::Sight(const SurfaceGaps& its_gaps, std::size_t node_count, const std::vector<std::array<int, 4>>& cells)
+    : gaps(its_gaps) {
+  if (gaps.empty()) return;
+  joined.resize(node_count);
   for (const auto& cell : cells)
     for (const int i : cell) joined[i].insert(joined[i].end(), cell.begin(), cell.end());
   for (std::vector<int>& others : joined) {
     std::sort(others.begin(), others.end());
     others.erase(std::unique(others.begin(), others.end()), others.end());
   }
-  return joined;
 }
 
-SupportLimit endingAt(const SurfaceGaps& gaps, const JoinedNodes& joined) {
-  if (gaps.empty()) return {};
-  return [&](const Vec3& x, const std::vector<Vec3>& nodes, std::vector<int>& support) {
+SupportLimit Sight::limit() const {
+  return [this](const Vec3& x, const std::vector<Vec3>& nodes, std::vector<int>& support) {
     constexpr std::size_t enough = 8, least = 4;  // nodes: it need not look further; that can carry it
+    if (!lonely.empty()) std::erase_if(support, [&](int j) { return lonely[j] != 0; });
+    if (support.empty() || gaps.empty()) return;
     const auto distance = [&](int j) { return (nodes[j] - x).norm(); };
     double furthest = 0;
     for (const int j : support) furthest = std::max(furthest, distance(j));
-    if (support.empty() || !gaps.areNear(x, furthest)) return;
+    if (!gaps.areNear(x, furthest)) return;
     const auto seenFrom = [&](const Vec3& eye, const std::vector<int>& anyway) {
       std::vector<int> seen = support;
       std::erase_if(seen, [&](int j) {
@@ -99,14 +122,20 @@ SupportLimit endingAt(const SurfaceGaps& gaps, const JoinedNodes& joined) {
       return seen;
     };
     std::vector<int> seen = seenFrom(x, {});
-    // Between coarse nodes facets lie in the air, and edges: what the nearest node sees, or else shares a cell with.
-    if (seen.size() < enough) {
+    const bool is_in_need = in_need.contains(hashOf(x));
+    if (seen.size() < enough || is_in_need) {
       const std::vector<int>& near = seen.empty() ? support : seen;
-      const int i =
-          *std::min_element(near.begin(), near.end(), [&](int a, int b) { return distance(a) < distance(b); });
+      const int i = *std::min_element(near.begin(), near.end(),
+                                      [&](int one, int other) { return distance(one) < distance(other); });
       std::vector<int> followed = seenFrom(nodes[i], {i});
-      if (followed.size() < least) followed = seenFrom(nodes[i], joined[i]);
-      if (followed.size() > seen.size()) seen = std::move(followed);
+      if (followed.size() < least || is_in_need) followed = seenFrom(nodes[i], joined[i]);
+      if (is_in_need) {
+        std::vector<int> both;
+        std::set_union(seen.begin(), seen.end(), followed.begin(), followed.end(), std::back_inserter(both));
+        seen = std::move(both);
+      } else if (followed.size() > seen.size()) {
+        seen = std::move(followed);
+      }
     }
     support = std::move(seen);
   };
@@ -120,32 +149,35 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
                           const RowMemory* memory) {
   const MmlsOptions options{scene.discretization.basis_degree, scene.discretization.mmls_weight};
   Approximation a;
-  const JoinedNodes joined = gaps.empty() ? JoinedNodes{} : joinedNodes(X.size(), cells);
-  // What rows of a node depend on besides its place and radius.
-  std::vector<std::uint64_t> mark = groups.of_nodes;
-  if (memory != nullptr && !joined.empty()) mark.resize(X.size());
-  for (std::size_t i = 0; memory != nullptr && i < joined.size(); ++i)
-    for (const int j : joined[i]) mark[i] = hashOf(X[j], mark[i]);
+  Sight sight(gaps, X.size(), cells);
   std::vector<Unsupported> left;
   int first_count = 0;  // nodes
   for (int attempt = 0;; ++attempt) {
-    const Neighbours neighbours(X, radius, endingAt(gaps, joined));
-    std::optional<RowsAtHand> at_hand;
-    if (memory != nullptr) at_hand.emplace(memory->rows, memory->number, X, radius, mark);
-    const std::tuple<const std::vector<Vec3>*, const std::vector<std::uint64_t>*, ShapeTable*, Wanted> parts[] = {
-        {&point_X, &groups.points, &a.points, Wanted::Gradients},
-        {&skin_X, &groups.skin, &a.skin, Wanted::Values},
-        {&X, &groups.nodes, &a.nodes, Wanted::Values},
-        {&facet_X, &groups.facets, &a.facets, Wanted::Values},
-        {&boundary_X, &groups.boundary, &a.boundary, Wanted::Values}};
+    const Neighbours neighbours(X, radius, sight.limit());
+    const std::tuple<const std::vector<Vec3>*, const std::vector<std::uint64_t>*, ShapeTable*> parts[] = {
+        {&point_X, &groups.points, &a.points},
+        {&skin_X, &groups.skin, &a.skin},
+        {&X, &groups.nodes, &a.nodes},
+        {&facet_X, &groups.facets, &a.facets},
+        {&boundary_X, &groups.boundary, &a.boundary}};
     bool admissible = true;
     std::vector<double> enlarged = radius;
-    KnownPart known{at_hand ? &*at_hand : nullptr};
-    for (const auto& [at, rows, table, wanted] : parts) {
+    std::optional<RowsAtHand> at_hand;
+    std::vector<std::uint64_t> mark;  // what rows of a node depend on besides its place and radius
+    KnownPart known;
+    sight.lonely.clear();
+    for (const auto& [at, rows, table] : parts) {
+      const bool values = table != &a.points;
       std::vector<InadmissibleSupport> failed;
-      const bool values = wanted == Wanted::Values;
-      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {groups.of_nodes, *rows},
-                              values ? known : KnownPart{}, wanted);
+      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {groups.of_nodes, *rows}, known,
+                              values ? Wanted::Values : Wanted::Gradients);
+      if (!values) {
+        if (failed.empty()) sight.lonely = lonelyNodes(a.points, X.size());
+        if (memory != nullptr) {
+          mark = marksOf(groups.of_nodes, sight, X);
+          known.rows = &at_hand.emplace(memory->rows, memory->number, X, radius, mark);
+        }
+      }
       known.part += values;
       if (failed.empty()) continue;
       admissible = false;
@@ -156,6 +188,12 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
       }
       std::vector<double> mine = radius;
       enlargeSupports(*at, failed, neighbours, mine, {groups.of_nodes, *rows});
+      for (std::size_t k = 0; attempt >= patient_enlargements && !gaps.empty() && k < failed.size(); ++k) {
+        const Vec3& x = (*at)[failed[k].row];
+        sight.in_need.insert(hashOf(x));
+        for (const int j : sight.joined[neighbours.nearest(x, 1).front()])
+          mine[j] = std::max(mine[j], 1.15 * radius[j]);
+      }
       for (std::size_t i = 0; i < mine.size(); ++i) enlarged[i] = std::max(enlarged[i], mine[i]);
     }
     if (!left.empty() && unsupported == nullptr) throw unsupportedAt(scene, left.front().at, first_count, gaps);
@@ -163,8 +201,8 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
     if (memory != nullptr) {
       KnownRows& found = memory->rows = {memory->number, X, radius, mark, {}};
       auto part = found.part.begin();
-      for (const auto& [at, rows, table, wanted] : parts)
-        if (wanted == Wanted::Values) *part++ = {*at, *rows, *table};
+      for (const auto& [at, rows, table] : parts)
+        if (table != &a.points) *part++ = {*at, *rows, *table};
     }
     if (admissible || attempt == max_enlargements) break;
     radius = enlarged;

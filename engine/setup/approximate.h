@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <unordered_set>
 #include <vector>
 
 #include "approximation/known_rows.h"
@@ -50,16 +51,25 @@ struct RowMemory {
 /// The gaps of a scene's body that supports could reach across. @param skin  as the tool touches it, m
 SurfaceGaps gapsOf(const Scene& scene, const TriangleSurface& skin, const SurfaceTree& body);
 
-/// Of each node those that it shares a cell with, and itself (node_count).
-using JoinedNodes = std::vector<std::vector<int>>;
-JoinedNodes joinedNodes(std::size_t node_count, const std::vector<std::array<int, 4>>& cells);
+/// Nodes that no row has (node_count), or nothing where all are in some.
+std::vector<std::uint8_t> lonelyNodes(const ShapeTable& rows, std::size_t node_count);
 
-/// Supports end at gaps; null where there are none. What sees too few nodes to follow them, such as a point of a facet
-/// between coarse nodes that lies in the air, follows those that its nearest node sees or shares a cell with. Gaps and
-/// nodes must outlive it.
-SupportLimit endingAt(const SurfaceGaps& gaps, const JoinedNodes& joined);
+/// Which nodes a place follows, of those that are near. Supports end at gaps. What sees too few nodes, such as a point
+/// of a facet between coarse nodes that lies in the air, follows those that its nearest node sees, or has a cell with.
+struct Sight {
+  /// @param cells  nodes that each joins
+  Sight(const SurfaceGaps& gaps, std::size_t node_count, const std::vector<std::array<int, 4>>& cells);
 
-/// @param gaps, cells  at which supports end (endingAt)
+  /// It, and the nodes, must outlive the limit; what is set below takes part at once.
+  SupportLimit limit() const;
+
+  const SurfaceGaps& gaps;
+  std::vector<std::vector<int>> joined;  // of each node those that it shares a cell with, ascending; no gaps: empty
+  std::unordered_set<std::uint64_t> in_need;  // hashOf places that have no admissible support by what they see
+  std::vector<std::uint8_t> lonely;  // lonelyNodes of the integration points: nothing else follows them, either
+};
+
+/// @param gaps, cells  of Sight
 /// @param groups       empty: supports reach over all borders
 /// @param unsupported  receives such places; null: they are an InputError
 /// @param memory       or null

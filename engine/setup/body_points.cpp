@@ -131,16 +131,17 @@ ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std
   for (double& r : radius) r *= widening;
   const MmlsOptions options{model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight};
   const SupportGroups groups = groupsAt(model, points, body);
+  const std::vector<std::uint8_t> lonely = lonelyNodes(model.point_shape, model.X.size());
   std::vector<ShapeTable> tables;
   std::vector<std::vector<int>> of;
   forEachBody(model, body, [&](int p, const std::vector<int>& rows) {
     SupportGroups own = groups;
     if (!own.row.empty()) own.row = picked(groups.row, rows);
     std::vector<InadmissibleSupport> bad;
-    const SurfaceGaps& gaps = *model.gaps[static_cast<std::size_t>(p)];
-    const JoinedNodes joined = gaps.empty() ? JoinedNodes{} : joinedNodes(model.X.size(), model.cells);
-    tables.push_back(shapeFunctions(picked(points, rows), model.X, radius,
-                                    Neighbours(model.X, radius, endingAt(gaps, joined)), options, bad, own));
+    Sight sight(*model.gaps[static_cast<std::size_t>(p)], model.X.size(), model.cells);
+    sight.lonely = lonely;
+    tables.push_back(shapeFunctions(picked(points, rows), model.X, radius, Neighbours(model.X, radius, sight.limit()),
+                                    options, bad, own));
     for (InadmissibleSupport& f : bad) {
       f.row = rows[static_cast<std::size_t>(f.row)];
       failed.push_back(f);

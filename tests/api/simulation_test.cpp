@@ -350,6 +350,8 @@ TEST_CASE("A call that is refused changes nothing, now or in the ticks that foll
   refused(palpate_set_material(simulation, 0, half, 2, nullptr), "poisson");
   CHECK(palpate_restore(simulation, bytes.data(), bytes.size(), nullptr) == PALPATE_BAD_INPUT);
   CHECK_THAT(palpate_last_error(), Catch::Contains("the saved state is damaged"));
+  CHECK(palpate_restore(simulation, bytes.data(), bytes.size() - 1, nullptr) == PALPATE_BAD_INPUT);
+  CHECK_THAT(palpate_last_error(), Catch::Contains(std::to_string(bytes.size() - 1)));
   const double twisted[7] = {0, 0, 0, 0, 0, 0, 3};
   refused(palpate_set_target(simulation, twisted, 9), "w 3, which is no unit one");
   refused(palpate_save(simulation, bytes.data(), bytes.size() - 1), "size is ");

@@ -59,6 +59,11 @@ assert np.abs(targets[0] - rest).max() == 0
 # Forces of each tool and of each rigid body, and who is who: jaws, a second tool, a table.
 jaws = open(os.path.join(scenes, "strip_grasp.toml")).read().replace("script:motions", f"script:{scenes}/motions")
 open("jaws.toml", "w").write(jaws + """
+[[tool]]
+shape = "sphere"
+radius = 0.004
+position = [0, 0.01, 0.0235]
+direction = [0, 0, -1]
 [[rigid]]
 name = "shelf"
 region = { shape = "box", min = [0.045, -0.005, -0.005], max = [0.055, 0.005, 0.005] }
@@ -66,11 +71,12 @@ region = { shape = "box", min = [0.045, -0.005, -0.005], max = [0.055, 0.005, 0.
 run("--seconds", "0.8", "--export", "jaws.gltf", "--out", "jaws", scene="jaws.toml")
 file = json.load(open("jaws.gltf"))
 names = [node["name"] for node in file["nodes"] if "mesh" in node]
-assert names[1:] == ["tool 1, left finger", "tool 1, right finger", "tool 2", "shelf"], names
+assert names[1:] == ["tool 1, left finger", "tool 1, right finger", "tool 2", "table", "shelf"], names
 curves = file["scenes"][0]["extras"]
 last = list(csv.DictReader(open("jaws/force.csv")))[-1]
 for curve, column in (("force_N_z", "force_raw_N_z"), ("tool2_force_N_z", "tool2_force_N_z")):
     assert np.isclose(curves[curve][-1], float(last[column]), atol=1e-6), (curve, curves[curve][-1], last[column])
+assert curves["tool2_force_N_z"][-1] > 1e-3 and curves["table_force_N_z"][-1] < -1e-3
 assert curves["shelf_force_N_x"][-1] == 0
 
 # The series has the same moments but rest, and the same press, at its nodes.

@@ -106,7 +106,14 @@ TEST_CASE("Forces and displacements under a tool change with materials as centra
   for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitZ())})
     CHECK(body.valueOf(quantity(Kind::ToolForce, axis, model)) ==
           Approx(body.valueOf(quantity(Kind::RegionForce, axis, model))).margin(1e-9));
-  CHECK(body.valueOf(quantity(Kind::ToolForce, Vec3::UnitZ(), model)) > 0.01);
+  const double force = body.valueOf(quantity(Kind::ToolForce, Vec3::UnitZ(), model));
+  CHECK(force > 0.01);
+  // Where all is stiffer the contact layer is, too.
+  std::vector<Material> stiffer = body.materials();
+  for (Material& material : stiffer) material.set("young", 50 * material.get("young")[0]);
+  body.setMaterials(stiffer);
+  body.settleFrom(AlignedVector<Double4>(body.u()), tool);
+  CHECK(body.valueOf(quantity(Kind::ToolForce, Vec3::UnitZ(), model)) == Approx(50 * force).epsilon(1e-6));
 }
 
 TEST_CASE("The same for near-incompressible tissue with node patches, under gravity and another law",
@@ -240,6 +247,8 @@ TEST_CASE("A tool behind what holds the body has no equilibrium there", "[simula
   EquilibriumSensitivity body(model, 1);
   CHECK_NOTHROW(body.settle(pressed(model)));
   CHECK_THROWS_WITH(body.settle(pressed(model, 0.006)), Catch::Contains("can't come there"));
+  // Nor to beyond the body, where it would touch nothing.
+  CHECK_THROWS_WITH(body.settle(pressed(model, 0.1)), Catch::Contains("in its way from outside"));
 }
 
 TEST_CASE("What points of stretched faces would bear is in the error to expect", "[simulation][sensitivity][whole]") {

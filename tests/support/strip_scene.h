@@ -9,7 +9,7 @@
 
 namespace palpate::test {
 
-/// A strip, 8 mm thin and 24 mm high, that stands on a table (tool 2) between jaws (tool 1): assets/scenes/strip_grasp.
+/// A strip, 8 mm thin and 24 mm high, that stands on a table (tool 2) between jaws (tool 1).
 /// One end is guided; it moves freely up and down, so that table and jaws bear all of its weight.
 inline Scene stripScene() {
   Scene scene;
