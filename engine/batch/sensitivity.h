@@ -41,8 +41,8 @@ struct EquilibriumQuantity {
 /// one u, which cost no solution. Where tissue is pressed to its limit of pressure, K is not quite symmetric
 /// (cell_volume.h); then one linear solution for each p, K du/dp = -dr/dp. What is differentiated is the answer at rest
 /// for a tool that stays where it is, with the points in contact held to be those that are; one that just touches has a
-/// left and a right derivative. Held as loaded: the share of pressure that node patches
-/// average, and the weight. Materials that relax are those of after a long time.
+/// left and a right derivative. Held as loaded: the share of pressure that
+/// node patches average, and the weight. Materials that relax are those of after a long time.
 ///
 /// Equilibria are those of StaticSolver's laws, polished by Newton's method; linear systems by projected conjugate
 /// gradients (Gould, Hribar, Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001)), K v by differences of forces, which are

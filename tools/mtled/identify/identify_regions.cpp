@@ -56,9 +56,9 @@ SoughtOfAll soughtOfAll(const IdentifyOptions& options, const Scene& scene) {
 }
 
 /// The scene with what was found, as the next start. @return whether any of it is so far from where it began that the
-/// set-up, which the start is part of (the contact layer is as stiff as the softest tissue), is another's
+/// set-up, which the start is part of (what node patches average, steps, the cloud's doubts), is another's
 bool putIn(const Identified& found, SoughtOfAll& sought, Scene& scene) {
-  constexpr double same = 0.03;  // of the value: a layer that is 1.6 times as stiff moves what is found by 1 %
+  constexpr double same = 0.03;  // of the value
   bool other = false;
   for (std::size_t k = 0; k < sought.numbers.size(); ++k) {
     const MaterialNumber& number = sought.numbers[k];
