@@ -138,8 +138,8 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
       throw Refusal(PALPATE_BAD_INPUT,
                     "the state was saved of another model: load its scene, with the same rate and settings");
     if (header.size != size)
-      throw Refusal(PALPATE_BAD_INPUT, "the saved state has " + std::to_string(header.size) + " bytes, and these are " +
-                                           std::to_string(size));
+      throw Refusal(PALPATE_BAD_INPUT, "the saved state is damaged: it had " + std::to_string(header.size) +
+                                           " bytes, and these are " + std::to_string(size));
     if (size != sizeOf(*simulation) || header.sum != sumOf(at, size))
       throw Refusal(PALPATE_BAD_INPUT, "the saved state is damaged");
 
