@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr int max_enlargements = 8;  // by 1.15 each: a support radius grows at most threefold
+constexpr int max_enlargements = 8;      // by 1.15 each: a support radius grows at most threefold
 constexpr int patient_enlargements = 4;  // before those that fail look further (Sight::in_need)
 
 /// What rows of nodes depend on besides their places and radii (node_count), or nothing: groups, cells beside gaps, and
@@ -107,7 +107,7 @@ Sight::Sight(const SurfaceGaps& its_gaps, std::size_t node_count, const std::vec
 
 SupportLimit Sight::limit() const {
   return [this](const Vec3& x, const std::vector<Vec3>& nodes, std::vector<int>& support) {
-    constexpr std::size_t enough = 8, least = 4;  // nodes: it need not look further; that can carry it
+    constexpr std::size_t least = 4;  // nodes that can carry anything (8 and 16: the same organs open)
     if (!lonely.empty()) std::erase_if(support, [&](int j) { return lonely[j] != 0; });
     if (support.empty() || gaps.empty()) return;
     const auto distance = [&](int j) { return (nodes[j] - x).norm(); };
@@ -123,7 +123,7 @@ SupportLimit Sight::limit() const {
     };
     std::vector<int> seen = seenFrom(x, {});
     const bool is_in_need = in_need.contains(hashOf(x));
-    if (seen.size() < enough || is_in_need) {
+    if (seen.size() < least || is_in_need) {
       const std::vector<int>& near = seen.empty() ? support : seen;
       const int i = *std::min_element(near.begin(), near.end(),
                                       [&](int one, int other) { return distance(one) < distance(other); });
@@ -173,10 +173,9 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
                               values ? Wanted::Values : Wanted::Gradients);
       if (!values) {
         if (failed.empty()) sight.lonely = lonelyNodes(a.points, X.size());
-        if (memory != nullptr) {
-          mark = marksOf(groups.of_nodes, sight, X);
+        if (memory != nullptr) mark = marksOf(groups.of_nodes, sight, X);
+        if (memory != nullptr && sight.in_need.empty())
           known.rows = &at_hand.emplace(memory->rows, memory->number, X, radius, mark);
-        }
       }
       known.part += values;
       if (failed.empty()) continue;
@@ -198,7 +197,8 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
     }
     if (!left.empty() && unsupported == nullptr) throw unsupportedAt(scene, left.front().at, first_count, gaps);
     at_hand.reset();
-    if (memory != nullptr) {
+    if (memory != nullptr) memory->rows = {};
+    if (memory != nullptr && sight.in_need.empty()) {  // rows at places in need depend on what has failed before, too
       KnownRows& found = memory->rows = {memory->number, X, radius, mark, {}};
       auto part = found.part.begin();
       for (const auto& [at, rows, table] : parts)

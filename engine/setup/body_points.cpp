@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/place_hash.h"
 #include "setup/approximate.h"
 
 namespace palpate {
@@ -137,11 +138,17 @@ ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std
   forEachBody(model, body, [&](int p, const std::vector<int>& rows) {
     SupportGroups own = groups;
     if (!own.row.empty()) own.row = picked(groups.row, rows);
-    std::vector<InadmissibleSupport> bad;
     Sight sight(*model.gaps[static_cast<std::size_t>(p)], model.X.size(), model.cells);
     sight.lonely = lonely;
-    tables.push_back(shapeFunctions(picked(points, rows), model.X, radius, Neighbours(model.X, radius, sight.limit()),
-                                    options, bad, own));
+    const std::vector<Vec3> at = picked(points, rows);
+    const Neighbours neighbours(model.X, radius, sight.limit());
+    std::vector<InadmissibleSupport> bad;
+    ShapeTable table = shapeFunctions(at, model.X, radius, neighbours, options, bad, own);
+    if (!bad.empty() && !sight.gaps.empty()) {
+      for (const InadmissibleSupport& f : bad) sight.in_need.insert(hashOf(at[static_cast<std::size_t>(f.row)]));
+      table = shapeFunctions(at, model.X, radius, neighbours, options, bad, own);
+    }
+    tables.push_back(std::move(table));
     for (InadmissibleSupport& f : bad) {
       f.row = rows[static_cast<std::size_t>(f.row)];
       failed.push_back(f);
