@@ -113,6 +113,7 @@ bool Mmls<Dim>::solve(const Vec& x, const Vec* X, const double* radius, int coun
     for (int j = 0; j < count; ++j) {
       N_[j] = w_[j] * g.dot(Eigen::Map<const Basis>(&p_[static_cast<std::size_t>(j) * Size]));
       sum_N += N_[j];
+      quality_.magnitude += std::abs(N_[j]);
       sum_Nxi += N_[j] * ((X[j] - x) / scale);
     }
     quality_.linear_error = std::max(std::abs(sum_N - 1), sum_Nxi.cwiseAbs().maxCoeff());
@@ -139,6 +140,7 @@ bool Mmls<Dim>::solve(const Vec& x, const Vec* X, const double* radius, int coun
 
     const Vec xi = (X[j] - x) / scale;
     sum_N += N_[j];
+    quality_.magnitude += std::abs(N_[j]);
     sum_Nxi += N_[j] * xi;
     sum_grad += gradN_[j] * scale;
     sum_gradx += gradN_[j] * xi.transpose() * scale;

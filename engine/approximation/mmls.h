@@ -11,6 +11,7 @@ namespace palpate {
 /// How well a support carries the approximation at one point.
 struct MmlsQuality {
   double linear_error = 0;    // largest error in reproducing 1 and x / scale by N
+  double magnitude = 0;       // sum_j |N_j|, the Lebesgue function: by how much errors at the nodes may grow
   double gradient_error = 0;  // largest error in reproducing their gradients by gradN; 0 where it is not wanted
   double gradient_norm = 0;   // max_j |gradN_j| * scale; likewise
 };

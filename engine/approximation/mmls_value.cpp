@@ -141,7 +141,7 @@ bool MmlsValue::solve(const Vec3& x, const std::vector<Node>& support, Vec3& u) 
     M[m][m] += options_.mu_each ? (*options_.mu_each)[static_cast<std::size_t>(m - linear_terms)] : options_.mu;
   double g[Size];
   if (!firstColumnOfInverse(M, g)) return false;
-  Pack sum_N = Pack::Zero(), sum_Nxi[3] = {sum_N, sum_N, sum_N}, value[3] = {sum_N, sum_N, sum_N};
+  Pack sum_N = Pack::Zero(), magnitude = sum_N, sum_Nxi[3] = {sum_N, sum_N, sum_N}, value[3] = {sum_N, sum_N, sum_N};
   for (const Packed& p : pack_) {
     const auto& [X, Y, Z] = p.xi;
     Pack N = g[0] + g[1] * X + g[2] * Y + g[3] * Z;
@@ -149,6 +149,7 @@ bool MmlsValue::solve(const Vec3& x, const std::vector<Node>& support, Vec3& u) 
       N += (g[4] * X + g[7] * Y + g[8] * Z) * X + (g[5] * Y + g[9] * Z) * Y + g[6] * Z.square();
     N *= p.w;
     sum_N += N;
+    magnitude += N.abs();
     for (int k = 0; k < 3; ++k) {
       sum_Nxi[k] += N * p.xi[k];
       value[k] += N * p.u[k];
@@ -159,7 +160,8 @@ bool MmlsValue::solve(const Vec3& x, const std::vector<Node>& support, Vec3& u) 
     error = std::max(error, std::abs(sum_Nxi[k].sum()));
     u[k] = value[k].sum();
   }
-  return error <= AdmissibilityLimits{}.linear_error;
+  constexpr AdmissibilityLimits limits;
+  return error <= limits.linear_error && magnitude.sum() <= limits.magnitude;
 }
 
 bool MmlsValue::at(const Vec3& x, const std::vector<Node>& support, Vec3& u) {

@@ -18,14 +18,18 @@ struct InadmissibleSupport {
 };
 
 /// What counts as admissible. Partition of unity alone hides a coplanar support, so linear
-/// reproduction is tested, and gradients that explode before the matrix is singular.
+/// reproduction is tested, and values and gradients that explode before the matrix is singular.
 struct AdmissibilityLimits {
   double linear_error = 1e-8;
+  /// Of sum_j |N_j|: 1 to 1.7 in whole organs, above 100 where nodes nearly lie in a plane. With 3 a quarter of some
+  /// blocks with a lamella between slits are refused, with 5 and 10 as many as without.
+  double magnitude = 10;
   double gradient_error = 1e-7;
   double gradient_norm = 50;  // of max |gradN| R; 4 R/h is healthy
 
   bool admit(const MmlsQuality& q) const {
-    return q.linear_error <= linear_error && q.gradient_error <= gradient_error && q.gradient_norm <= gradient_norm;
+    return q.linear_error <= linear_error && q.magnitude <= magnitude && q.gradient_error <= gradient_error &&
+           q.gradient_norm <= gradient_norm;
   }
 };
 

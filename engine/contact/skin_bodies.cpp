@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "contact/skin_contact.h"
 #include "contact/skin_places.h"
@@ -54,16 +55,16 @@ void addClusterFaces(const SkinModel& skin, SkinBodies& bodies) {
 void addRegionNodes(const SkinModel& skin, SkinBodies& bodies) {
   bodies.region.resize(static_cast<std::size_t>(skin.vertexCount()));
   bodies.region_node_begin.assign(1, 0);
+  std::vector<int> last_region(static_cast<std::size_t>(bodies.node_count), -1);  // that a node was found in
   for (int r = 0; r < skin.regionCount(); ++r) {
-    std::vector<int> nodes;
+    const auto first = static_cast<std::ptrdiff_t>(bodies.region_node.size());
     for (int k = skin.cluster_begin[skin.region_begin[r]]; k < skin.cluster_begin[skin.region_begin[r + 1]]; ++k) {
       const int v = skin.cluster_vertex[k];
       bodies.region[v] = r;
-      nodes.insert(nodes.end(), skin.node.begin() + skin.begin[v], skin.node.begin() + skin.begin[v + 1]);
+      for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e)
+        if (std::exchange(last_region[skin.node[e]], r) != r) bodies.region_node.push_back(skin.node[e]);
     }
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    bodies.region_node.insert(bodies.region_node.end(), nodes.begin(), nodes.end());
+    std::sort(bodies.region_node.begin() + first, bodies.region_node.end());
     bodies.region_node_begin.push_back(static_cast<int>(bodies.region_node.size()));
   }
 }
@@ -167,9 +168,9 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing, const SpacingFi
 }
 
 void addRows(const SkinModel& skin, SkinBodies& bodies) {
-  addRegionNodes(skin, bodies);
   for (int v = 0; v < skin.vertexCount(); ++v) bodies.row_sum = std::max(bodies.row_sum, rowSum(skin, v));
   for (const int i : skin.node) bodies.node_count = std::max(bodies.node_count, i + 1);
+  addRegionNodes(skin, bodies);
 }
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 
 #include "base/input_error.h"
 #include "discretization/nodes/node_order.h"
@@ -20,6 +21,8 @@ namespace {
 /// the
 /// others; so few that clearing and summing their buffers stays below a few percent.
 constexpr int chunk_count = 16;
+
+using BlockGradients = std::vector<std::array<Vec3, 4>>;  // [node][point]
 
 template <class Real>
 int unionNode(const KernelLayoutOf<Real>& layout, std::size_t at) {
@@ -110,35 +113,44 @@ void addPatches(KernelLayoutOf<Real>& layout, const std::vector<double>& volume,
   }
 }
 
-/// Union support of a block's points (-1: padding), ascending.
-std::vector<int> unionSupport(const ShapeTable& shape, const int* point) {
-  std::vector<int> nodes;
+/// The entries of a block's points (-1: padding): act(p, entry of the shape table).
+template <class Act>
+void forEntries(const ShapeTable& shape, const int* point, Act act) {
   for (int p = 0; p < 4; ++p)
-    if (point[p] >= 0)
-      nodes.insert(nodes.end(), shape.node.begin() + shape.begin[point[p]],
-                   shape.node.begin() + shape.begin[point[p] + 1]);
+    for (int e = point[p] < 0 ? 0 : shape.begin[point[p]]; e < (point[p] < 0 ? 0 : shape.begin[point[p] + 1]); ++e)
+      act(p, e);
+}
+
+/// Union support of a block's points, ascending.
+/// @param place  (node_count) scratch, all -1; left so
+void findUnion(const ShapeTable& shape, const int* point, std::vector<int>& place, std::vector<int>& nodes) {
+  nodes.clear();
+  forEntries(shape, point, [&](int, int e) {
+    if (std::exchange(place[shape.node[e]], 0) < 0) nodes.push_back(shape.node[e]);
+  });
+  for (const int node : nodes) place[node] = -1;
   std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
 }
 
 /// A block's gradients in double: [node][point], in the order of its union nodes.
-std::vector<std::array<Vec3, 4>> blockGradients(const ShapeTable& shape, const int* point,
-                                                const std::vector<int>& nodes) {
-  std::vector<std::array<Vec3, 4>> gradN(nodes.size(), {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
-  for (int p = 0; p < 4; ++p)
-    for (int e = point[p] < 0 ? 0 : shape.begin[point[p]]; e < (point[p] < 0 ? 0 : shape.begin[point[p] + 1]); ++e)
-      gradN[std::find(nodes.begin(), nodes.end(), shape.node[e]) - nodes.begin()][p] = shape.gradN[e];
-  return gradN;
+/// @param place  as findUnion's
+void gatherGradients(const ShapeTable& shape, const int* point, const std::vector<int>& nodes, std::vector<int>& place,
+                     BlockGradients& gradN) {
+  for (std::size_t n = 0; n < nodes.size(); ++n) place[nodes[n]] = static_cast<int>(n);
+  gradN.assign(nodes.size(), {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
+  forEntries(shape, point, [&](int p, int e) { gradN[place[shape.node[e]]][p] = shape.gradN[e]; });
+  for (const int node : nodes) place[node] = -1;
 }
 
-/// Writes the tiles of a block's groups [first, last): entry(node, point, component).
+/// Writes the tiles of a block's nodes [first, last): entry(node, point, component).
 template <class Element, class Entry>
 void appendTiles(AlignedVector<Element>& tiles, std::size_t node_begin, std::size_t node_end, Entry entry) {
+  std::size_t at = tiles.size();
+  tiles.resize(at + (node_end - node_begin) * 12);
   for (std::size_t first = node_begin; first < node_end; first += 4)
     for (int b = 0; b < 3; ++b)
       for (std::size_t n = first; n < first + 4; ++n)
-        for (int p = 0; p < 4; ++p) tiles.push_back(entry(n, p, b));
+        for (int p = 0; p < 4; ++p) tiles[at++] = entry(n, p, b);
 }
 
 /// Moves four nodes that span a large tetrahedron to the front: the pair furthest apart from the first node on, the
@@ -147,8 +159,9 @@ void appendTiles(AlignedVector<Element>& tiles, std::size_t node_begin, std::siz
 void anchorsFirst(std::vector<int>& nodes, const std::vector<Vec3>& X) {
   const auto bring = [&](std::size_t place, auto measure) {
     std::size_t best = place;
+    double most = measure(X[nodes[place]]);
     for (std::size_t k = place; k < nodes.size(); ++k)
-      if (measure(X[nodes[k]]) > measure(X[nodes[best]])) best = k;
+      if (const double here = measure(X[nodes[k]]); here > most) best = k, most = here;
     std::rotate(nodes.begin() + place, nodes.begin() + best, nodes.begin() + best + 1);
   };
   const Vec3 start = X[nodes[0]];
@@ -164,8 +177,9 @@ void anchorsFirst(std::vector<int>& nodes, const std::vector<Vec3>& X) {
 /// Rounds all but the anchors' gradients to 16 bits and gives the anchors what keeps the zeroth and first moments:
 /// an error
 /// e at X_j acts on linear fields like e l_a(X_j) at the anchors, l_a their tetrahedron's linear coordinates.
-void addRoundedTiles(KernelLayoutOf<float>& layout, const std::vector<int>& nodes,
-                     std::vector<std::array<Vec3, 4>> gradN, const std::vector<Vec3>& X) {
+/// @param gradN  is used up
+void addRoundedTiles(KernelLayoutOf<float>& layout, const std::vector<int>& nodes, BlockGradients& gradN,
+                     const std::vector<Vec3>& X) {
   const std::size_t block = layout.blocks.size() - 1;
   layout.scale.resize(block / 4 * 48 + 48, 1.0F);  // where there is no point, or no gradient but the anchors'
   if (gradN.empty()) {
@@ -195,19 +209,19 @@ void addRoundedTiles(KernelLayoutOf<float>& layout, const std::vector<int>& node
     for (int p = 0; p < 4; ++p)
       for (int b = 0; b < 3; ++b) {
         // float's rounding of the scale may carry the largest beyond the range by a hair
-        const double integer = std::clamp(std::round(gradN[n][p][b] / scale[p][b]), -largest_integer, largest_integer);
+        const double integer =
+            std::clamp(std::nearbyint(gradN[n][p][b] / scale[p][b]), -largest_integer, largest_integer);
         const double error = gradN[n][p][b] - integer * scale[p][b];
         gradN[0][p][b] += error * (1 - l.sum());
         for (int a = 0; a < 3; ++a) gradN[a + 1][p][b] += error * l[a];
-        gradN[n][p][b] = integer * scale[p][b];
+        gradN[n][p][b] = integer;
       }
   }
-  const auto inUnits = [&](std::size_t n, int p, int b) {
-    return n < gradN.size() ? gradN[n][p][b] / scale[p][b] : 0.0;
-  };
-  appendTiles(layout.gradN, 0, 4, [&](std::size_t n, int p, int b) { return static_cast<float>(inUnits(n, p, b)); });
-  appendTiles(layout.rounded_gradN, 4, nodes.size(),
-              [&](std::size_t n, int p, int b) { return static_cast<std::int16_t>(std::lround(inUnits(n, p, b))); });
+  appendTiles(layout.gradN, 0, 4,
+              [&](std::size_t n, int p, int b) { return static_cast<float>(gradN[n][p][b] / scale[p][b]); });
+  appendTiles(layout.rounded_gradN, 4, nodes.size(), [&](std::size_t n, int p, int b) {
+    return static_cast<std::int16_t>(n < gradN.size() ? gradN[n][p][b] : 0.0);
+  });
 }
 
 /// Ranges of batches that are worked on together, and the nodes that each touches.
@@ -295,11 +309,13 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
   const bool short_nodes = sizeof(Real) == 4 && node_count <= 65536;
 
   int tile_count = 0, rounded_count = 0;
+  std::vector<int> place(static_cast<std::size_t>(node_count), -1), nodes;
+  BlockGradients gradN;
   for (std::size_t first = 0; first < layout.point.size(); first += 4) {
     const int* point = &layout.point[first];
-    std::vector<int> nodes = unionSupport(shape, point);
+    findUnion(shape, point, place, nodes);
     if (rounded && nodes.size() >= 4) anchorsFirst(nodes, X);
-    const auto gradN = blockGradients(shape, point, nodes);
+    gatherGradients(shape, point, nodes, place, gradN);
     // Padding repeats the block's first nodes, whose forces were stored long before: a repeat of the
     // last one would wait for its store.
     for (int k = 0; nodes.size() % 4 != 0; ++k) nodes.push_back(nodes[k]);

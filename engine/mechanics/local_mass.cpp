@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -79,28 +81,33 @@ StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& 
   std::vector<int> place(volume.size(), 0);
   for (std::size_t p = 0; p < layout.point.size(); ++p)
     if (layout.point[p] >= 0) place[static_cast<std::size_t>(layout.point[p])] = static_cast<int>(p);
-  std::vector<std::vector<int>> points_at(nodes), rows_of(nodes);  // around a node; with it in their support
-  std::vector<double> gradient_sum(volume.size(), 0);
-  for (std::size_t q = 0; q < volume.size(); ++q) {
+  std::vector<std::vector<int>> points_at(nodes);  // around a node
+  for (std::size_t q = 0; q < volume.size(); ++q)
     for (const int a : point_vertices[q]) points_at[static_cast<std::size_t>(a)].push_back(static_cast<int>(q));
-    for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e) gradient_sum[q] += shape.gradN[e].norm();
-  }
   WeightRow points(layout.point.size());
   for (std::size_t i = 0; i < nodes; ++i) {
     for (const int q : points_at[i]) points.add(place[q], std::abs(volume[q]));
     points.flush(means.points);
   }
 
-  std::vector<std::vector<std::pair<int, double>>> row(nodes);  // (point, its part of the node's Gershgorin row)
+  std::vector<int> row_begin(nodes + 1, 0);
+  for (const int i : shape.node) ++row_begin[static_cast<std::size_t>(i) + 1];
+  std::partial_sum(row_begin.begin(), row_begin.end(), row_begin.begin());
+  std::vector<std::pair<int, double>> row(shape.node.size());  // (point, its part of the node's Gershgorin row) by node
+  std::vector<int> next(row_begin.begin(), row_begin.end() - 1);
+  std::vector<double> norm;  // 1/m
   for (std::size_t q = 0; q < volume.size(); ++q) {
-    const double weight = std::abs(volume[q]) * materials[point_material[q]].waveModulus() * gradient_sum[q];
-    for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e)
-      row[shape.node[e]].emplace_back(static_cast<int>(q), weight * shape.gradN[e].norm());
+    norm.clear();
+    for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e) norm.push_back(shape.gradN[e].norm());
+    const double weight = std::abs(volume[q]) * materials[point_material[q]].waveModulus() *
+                          std::accumulate(norm.begin(), norm.end(), 0.0);
+    for (std::size_t k = 0; k < norm.size(); ++k)
+      row[next[shape.node[shape.begin[q] + k]]++] = {static_cast<int>(q), weight * norm[k]};
   }
   WeightRow neighbours(nodes);
   for (std::size_t i = 0; i < nodes; ++i) {
-    for (const auto& [q, weight] : row[i])
-      for (const int a : point_vertices[q]) neighbours.add(a, weight);
+    for (int e = row_begin[i]; e < row_begin[i + 1]; ++e)
+      for (const int a : point_vertices[row[e].first]) neighbours.add(a, row[e].second);
     neighbours.flush(means.nodes);
   }
   means.batches = listsOf(means.points, 16);

@@ -233,7 +233,7 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToP
   }
   addLayer(common != nullptr ? common->finest_spacing : scene.discretization.spacing, model);
   model.rigid = rigidBodiesOf(scene, tree, model.skin, model.bodies.body, spacing);
-  model.tools = makeToolSet(scene, tree, model.skin.surface);
+  model.tools = common != nullptr ? common->tools : makeToolSet(scene, tree, model.skin.surface);
   for (ToolSetUp& tool : model.tools.tool) {
     tool.max_force = maxToolForce(tool.max_force, tool.shape.radius, model.materials);
     if (tool.jaws) tool.grip_force = gripForce(tool.grip_force, tool.shape.radius, model);

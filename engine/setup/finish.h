@@ -16,6 +16,7 @@ struct CommonToPlaces {
   SkinBodies bodies;                                     // of it, likewise
   std::vector<std::shared_ptr<const SurfaceGaps>> gaps;  // (body_count) in the skin of each
   double finest_spacing = 0;                             // m, of the nodes at any place
+  ToolSet tools;                                         // before the skin; which forces they may have, a place says
 };
 
 /// The second half of buildModel: what is quick, and what depends on rate, step and tool. Throws InputError naming the

@@ -19,6 +19,7 @@
 #include "setup/imposed_nodes.h"
 #include "setup/interface_nodes.h"
 #include "setup/join_bodies.h"
+#include "setup/make_tools.h"
 
 namespace palpate {
 namespace {
@@ -456,6 +457,7 @@ void addSkin(const Scene& as_read, Places& places) {
   SpacingField finest;
   finest.spacing = common.finest_spacing;
   common.bodies = makeSkinBodies(common.skin, places.scene.discretization.spacing, finest);
+  common.tools = makeToolSet(places.scene, places.organ, common.skin.surface);
 }
 
 }  // namespace

@@ -45,3 +45,25 @@ TEST_CASE("A support that can't carry an approximation gives no value", "[mmls][
   flat.resize(3);
   CHECK_FALSE(value.at(Vec3(0.0015, 0.0015, 0), flat, u));
 }
+
+TEST_CASE("Far off a sheet of nodes that is hardly thick no values are made up", "[mmls][mmls_value]") {
+  for (const double thickness : {1e-5, 1e-3}) {  // m
+    std::vector<MmlsValue::Node> sheet;
+    std::vector<Vec3> X;
+    for (int j = 0; j < 16; ++j) {
+      X.emplace_back(0.001 * (j % 4), 0.001 * (j / 4), thickness * (j % 3));
+      sheet.push_back({X.back(), 0.02, Vec3::Zero()});
+    }
+    const Vec3 off(0.0015, 0.0015, 0.002);
+    Mmls<3> mmls(MmlsOptions{});
+    REQUIRE(mmls.evaluate(off, X.data(), std::vector<double>(X.size(), 0.02).data(), 16, nullptr, false));
+    CHECK(mmls.quality().linear_error < 1e-8);
+    double sum = 0;
+    for (const double N : mmls.N()) sum += std::abs(N);
+    CHECK(mmls.quality().magnitude == Approx(sum));
+    CHECK((sum > 50) == (thickness < 1e-4));
+    Vec3 u;
+    CHECK(AdmissibilityLimits{}.admit(mmls.quality()) == (thickness > 1e-4));
+    CHECK(MmlsValue(MmlsOptions{}).at(off, sheet, u) == (thickness > 1e-4));
+  }
+}

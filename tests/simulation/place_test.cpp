@@ -617,7 +617,7 @@ TEST_CASE("A lamella between narrow air, thinner than coarse nodes are apart, is
     }
     CHECK(in_lamella > 50);
     CHECK(from_beside < 0.002 * in_lamella);  // 0.09 of it if gaps ended at the skin
-    CHECK(most < 1e-6);
+    CHECK(most < 3e-8);  // m, float's rounding: of rows of nodes nearly in a plane a hundred times as much
   }
 }
 
