@@ -22,6 +22,7 @@ void onHangUp(int) { asked = 1; }
 }  // namespace
 
 void catchInterrupts() {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is one that can't be written, and said to be
   std::signal(SIGINT, onSignal);
   std::signal(SIGTERM, onSignal);
   if (std::signal(SIGHUP, onHangUp) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup wants it

@@ -43,7 +43,8 @@ Pose poseOf(const Json& json) {
 Certificate certificateOf(const Json& json) {
   Certificate c;
   c.script = json.at("script");
-  c.displacement_error = json.at("displacement_error");
+  const Json& displacement = json.at("displacement_error");  // null: none
+  c.displacement_error = displacement.is_null() ? std::nan("") : displacement.get<double>();
   for (const Json& pose : json.at("way")) c.way.push_back(poseOf(pose));
   for (const Json& r : json.at("rows"))
     c.row.push_back(

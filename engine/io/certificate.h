@@ -25,10 +25,11 @@ struct Certificate {
     double bound() const { return error + uncertainty; }
   };
   std::uint64_t model_hash = 0;
-  std::string script;             // of the tool's way; "": the built-in indentation
-  std::vector<Pose> way;          // of the tool, thinned out
-  std::vector<Row> row;           // by advance
-  double displacement_error = 0;  // root mean square, of the skin's displacements at the end, over the largest
+  std::string script;     // of the tool's way; "": the built-in indentation
+  std::vector<Pose> way;  // of the tool, thinned out
+  std::vector<Row> row;   // by advance
+  /// Root mean square, of the skin's displacements at the end, over the largest. Not a number: the tool has let go.
+  double displacement_error = 0;
 
   /// The row that holds at that advance; none where it is beyond all, or above first_from.
   const Row* at(double advance) const;

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <stdexcept>
 #include <system_error>
@@ -36,6 +37,12 @@ bool isSameFile(const std::string& a, const std::string& b) {
   if (std::filesystem::equivalent(a, b, error)) return true;
   const auto whole = [&](const std::string& path) { return std::filesystem::weakly_canonical(path, error); };
   return whole(a) == whole(b);
+}
+
+void checkWritable(const std::string& path, const std::string& advice) {
+  const PendingFile pending(path);
+  errno = 0;
+  if (!std::ofstream(pending.part(), std::ios::app)) failWriting(path, errno, advice);
 }
 
 void failWriting(const std::string& path, int error, const std::string& advice) {

@@ -12,6 +12,9 @@ namespace palpate {
 void writeWholeFile(const std::string& path, std::string_view bytes,
                     const std::string& advice = "choose another place");
 
+/// Throws as writeWholeFile would, and leaves what stands there: before work that takes long.
+void checkWritable(const std::string& path, const std::string& advice = "choose another place");
+
 /// Whether both paths are one regular file, or would be; none is where one is empty.
 bool isSameFile(const std::string& a, const std::string& b);
 

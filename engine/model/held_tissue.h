@@ -34,6 +34,7 @@ struct HeldTissue {
   bool empty() const { return points.empty(); }
 };
 
+/// @pre  the rows of nodes and skin, and the skin's normals (SkinBodies), are there
 HeldTissue heldTissue(const Body& body);
 
 }  // namespace palpate

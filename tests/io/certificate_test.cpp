@@ -1,6 +1,7 @@
 #include "io/certificate.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <fstream>
 
 #include "support/temp_folder.h"
@@ -37,6 +38,10 @@ TEST_CASE("A certificate comes back as it was written, for its own model only, a
   refused.clear();
   CHECK_FALSE(readCertificate(folder.path("none.json"), c.model_hash, &refused));
   CHECK(refused.empty());
+  c.displacement_error = std::nan("");  // of a tool that has let go
+  writeCertificate(file, c);
+  REQUIRE(readCertificate(file, c.model_hash));
+  CHECK(std::isnan(readCertificate(file, c.model_hash)->displacement_error));
   // What earlier programs wrote has root mean squares over all depths, and no place.
   std::ofstream(file) << R"({"model_hash": "123456789abcdef0", "script": "", "rows": [{"advance_m": 0.004,
     "force_N": 0.1, "force_error": 0.05, "uncertainty": 0.01}], "displacement_error": 0.03})";

@@ -6,6 +6,7 @@
 
 #include "batch/static_solver.h"
 #include "contact/tools/tool_list.h"
+#include "discretization/surface/surface_geometry.h"
 #include "step/step.h"
 #include "step/tool_bodies.h"
 #include "step/trust.h"
@@ -59,6 +60,16 @@ Model slab(bool moved = false) {
         model.skin.surface.triangles.push_back({a, d, c});
       }
   }
+  // Rows of all nodes around, of which heldTissue reads no weights.
+  const auto addRow = [&](const Vec3& x, std::vector<int>& begin, std::vector<int>& node) {
+    for (std::size_t j = 0; j < model.X.size(); ++j)
+      if ((model.X[j] - x).norm() < 1.6 * spacing) node.push_back(static_cast<int>(j));
+    begin.push_back(static_cast<int>(node.size()));
+  };
+  model.node_shape.begin = model.skin.begin = {0};
+  for (const Vec3& x : model.X) addRow(x, model.node_shape.begin, model.node_shape.node);
+  for (const Vec3& x : model.skin.surface.vertices) addRow(x, model.skin.begin, model.skin.node);
+  model.bodies.normal = vertexNormals(model.skin.surface);
   model.essential.motions.emplace_back();
   if (moved) model.essential.motions[0].translation = Vec3(0, 0, 0.01);
   model.held = heldTissue(model);

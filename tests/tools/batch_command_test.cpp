@@ -182,3 +182,13 @@ TEST_CASE("A line that is no job is refused with its place", "[batch]") {
   CHECK_THAT(refused(R"({"scene": "liver", "set": {"tool.radius": null}})"), Contains("\"tool.radius\" no value"));
   CHECK_THAT(refusal([&] { readBatchJobs(folder.write("empty.jsonl", "\n")); }), Contains("there is no job"));
 }
+
+TEST_CASE("What a job names is first looked for beside its file", "[batch]") {
+  const TempFolder folder;
+  const std::string scene = folder.write("block.toml", test::touched_block_text);
+  const std::string jobs = folder.write("jobs.jsonl", "{\"scene\": \"block.toml\", \"tool\": \"press.toml\"}\n");
+  const std::vector<BatchJob> read = readBatchJobs(jobs);
+  REQUIRE(read.size() == 1);
+  CHECK(read[0].scene == scene);
+  CHECK(read[0].tool == "press.toml");  // it isn't there
+}

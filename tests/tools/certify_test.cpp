@@ -146,3 +146,14 @@ input = "script:close.toml"
   CHECK(std::abs(run.force[run.force.size() - 2].x()) < 0.1 * pinch);  // the two fingers' sum
   CHECK(contactRegions(model, way).size() == 2);
 }
+
+TEST_CASE("A certificate is not written over what it is of", "[certify]") {
+  const TempFolder folder;
+  const std::string text = replaced(test::touched_block_text, "0.012", "0.02");
+  CertifyOptions options;
+  options.scene = options.out = folder.write("block.toml", text);
+  CHECK_THROWS_WITH(certifyCommand(options), Catch::Contains("block.toml") && Catch::Contains("would be lost"));
+  options.tool_script = options.out = folder.write("way.toml", "[[keyframe]]\ntime = 0.1\nadvance = 0.002\n");
+  CHECK_THROWS_WITH(certifyCommand(options), Catch::Contains("way.toml") && Catch::Contains("would be lost"));
+  CHECK(readAll(options.scene) == text);
+}

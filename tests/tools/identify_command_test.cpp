@@ -127,6 +127,36 @@ TEST_CASE("On a linear problem the identification is the normal equations' solut
   CHECK(twins.value[0] * twins.value[1] == Approx(6).epsilon(1e-3));
 }
 
+TEST_CASE("What the shape of a curve tells is no surer than forces whose error falls with the contact", "[identify]") {
+  // Hertz, and a parameter that bends the curve. The simulation has an error of 3 % at the deepest row and more above.
+  constexpr double share = 0.03, stiffness = 2, bend = 0.4;
+  std::vector<double> depth, measured;
+  for (int k = 1; k <= 30; ++k) depth.push_back(k / 30.0);
+  const auto force = [](double a, double b, double d) { return a * std::pow(d, 1.5) * (1 + b * d); };
+  for (const double d : depth) measured.push_back(force(stiffness, bend, d));
+  const std::vector<SoughtParameter> sought = {{"stiffness", {0, INFINITY}, 1}, {"bend", {0, INFINITY}, 1}};
+  const auto identified = [&] {
+    return identify(sought, [&](const std::vector<double>& p) {
+      std::vector<double> r;
+      for (std::size_t k = 0; k < depth.size(); ++k) {
+        const double right = force(p[0], p[1], depth[k]);
+        r.push_back(right * (1 + share * std::cbrt(measured.back() / measured[k])) - measured[k]);
+      }
+      return r;
+    });
+  };
+  const auto holds = [](const Identified& found, std::size_t k, double value) {
+    return found.low[k] <= value && value <= found.high[k];
+  };
+  Identified evenly = identified(), along = evenly;
+  widenForError(share, measured, sought, evenly);
+  widenForErrorAlong(share, measured, sought, along);
+  CHECK_FALSE(holds(evenly, 1, bend));
+  CHECK(holds(along, 0, stiffness));
+  CHECK(holds(along, 1, bend));
+  CHECK(along.high[1] - along.low[1] < 0.5);
+}
+
 TEST_CASE("The 95 % interval of each of two parameters holds the truth that often, for noise of other kinds too",
           "[identify]") {
   // A curve a d + b d^2 with 1 % of noise that grows with the force, or that follows itself from row to row.

@@ -90,6 +90,9 @@ TEST_CASE("From a scan to a warped scan: import, solve, warp", "[import_scan][wh
   CHECK(std::all_of(labels.value.begin(), labels.value.end(),
                     [](float a) { return a == 0 || a == 1 || a == 2 || a == 3; }));
 
+  warp.image = folder.path("labels/warped.nii.gz");  // its own result: a second time would be twice as far
+  CHECK_THAT(refusal([&] { warpCommand(warp); }), Contains("warped.nii.gz") && Contains("would be written over"));
+
   Image shares = readImage(import.scan);
   for (float& a : shares.value) a = 0.4F;
   warp.image = folder.path("shares.nii");

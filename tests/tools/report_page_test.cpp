@@ -89,6 +89,12 @@ TEST_CASE("A case holds when all its bounds do, and not without any", "[report]"
   CHECK_FALSE(report.held());
   CHECK_FALSE(CaseResult().held());
   CHECK_FALSE(Report().held());
+  Report whole = report;
+  whole.cases.pop_back();
+  CHECK(whole.held());
+  whole.missing = 1;
+  CHECK_FALSE(whole.held());
+  CHECK(contains(markdownOf(whole), "1 of 1 case is held; 3 of 3 bounds. The run was ended before its last 1 case."));
   CHECK(CaseResult().worstBound() == nullptr);
   CHECK(report.cases[0].worstBound()->quantity == "Largest distance to the reference");  // 82 % of its limit
   CaseResult one = report.cases[0];

@@ -235,9 +235,10 @@ int merge(const std::vector<BatchJob>& jobs, const BatchOptions& options, const 
   }
   fs::create_directories(folder);
   writeWholeFile(folder + "/results.jsonl", lines(results));
-  const bool all = std::all_of(results.begin(), results.end(), [](const BatchResult& r) { return r.done; });
-  std::cout << results.size() << " results   " << folder << "/results.jsonl" << std::endl;
-  return all ? 0 : 1;
+  const auto failed = std::count_if(results.begin(), results.end(), [](const BatchResult& r) { return !r.done; });
+  std::cout << results.size() << " results, " << failed << " of failed jobs   " << folder << "/results.jsonl"
+            << std::endl;
+  return failed == 0 ? 0 : 1;
 }
 
 }  // namespace

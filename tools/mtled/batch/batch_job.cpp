@@ -1,6 +1,7 @@
 #include "mtled/batch/batch_job.h"
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -34,6 +35,14 @@ void checkId(const std::string& id, const SourceLocation& place) {
     throw InputError(place, inQuotes(id) + " is a file that the batch writes itself", "give the job another id");
 }
 
+/// A file beside the jobs' own, or what was said.
+std::string besideJobs(const std::string& said, const std::string& jobs) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path beside = fs::path(jobs).parent_path() / said;
+  return !said.empty() && fs::is_regular_file(beside, ignored) ? beside.string() : said;
+}
+
 BatchJob jobFrom(const Json& json, const SourceLocation& place) {
   if (!json.is_object()) throw InputError(place, "a job is no JSON object", "write {\"scene\": \"liver\"}");
   for (const auto& [key, value] : json.items())
@@ -52,6 +61,8 @@ BatchJob jobFrom(const Json& json, const SourceLocation& place) {
   text("id", job.id);
   text("scene", job.scene);
   text("tool", job.tool);
+  job.scene = besideJobs(job.scene, place.file);
+  job.tool = besideJobs(job.tool, place.file);
   checkId(job.id, place);
   if (job.scene.empty()) throw InputError(place, "a job without a scene", "add \"scene\": a file or a scene's name");
   if (json.contains("seconds")) {

@@ -14,7 +14,8 @@ namespace palpate::tools {
 ///   {"id": "soft", "scene": "liver", "set": {"material[0].young": 2000}, "tool": "drag_across", "seconds": 2,
 ///    "field": "npz", "picture": true}
 ///
-/// Only the scene is needed. Without a tool there is the indentation of an off-screen run, 4 s of it.
+/// Only the scene is needed. Files are looked for beside the job file, then from the current folder. Without a tool
+/// there is the indentation of an off-screen run, 4 s of it.
 struct BatchJob {
   std::string id;     // of its folder; "job-<line>" where it has none
   std::string scene;  // file, or the name of one in assets/scenes

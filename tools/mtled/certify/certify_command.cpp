@@ -1,10 +1,8 @@
 #include "mtled/certify/certify_command.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <stdexcept>
 
@@ -28,6 +26,7 @@ namespace palpate::tools {
 namespace {
 
 constexpr int row_count = 8, probe_count = 200;
+constexpr double still_pressed = 0.05;  // of the largest force, at the end
 
 /// Finer than the scene where the tools work: by half, or where the scene does not resolve one, until it is.
 Fineness finenessFor(const Model& model) {
@@ -146,8 +145,10 @@ int certifyCommand(const CertifyOptions& options) {
   if (!one_way && !options.out.empty())
     throw InputError({file}, "a scene of several tools or jaws has no certificate", "leave --out away");
   const std::string out = options.out.empty() ? certificateFile(file) : options.out;
-  if (one_way)
-    if (const PendingFile pending(out); !std::ofstream(pending.part())) failWriting(out, errno);  // now, not at the end
+  for (const std::string& read : {file, options.tool_script.empty() ? "" : findToolScript(options.tool_script)})
+    if (one_way && isSameFile(out, read))
+      throw InputError({out}, "this file is read, and would be lost", "give another --out");
+  if (one_way) checkWritable(out);
   const int threads = threadsOr(options.threads);
   auto line = std::make_unique<ProgressLine>("certify");
   ProgressLine& progress = *line;
@@ -182,7 +183,12 @@ int certifyCommand(const CertifyOptions& options) {
   certificate.way = certifiedPoses(model, way);
   certificate.row =
       certifiedRows(one_way ? advances(model, way) : times(model, way), run, converged, fineness.coarser, row_count);
-  certificate.displacement_error = errorOf(run, converged.run).displacement;
+  const std::vector<TickForces> forces = tickForces(run, converged, fineness.coarser, way.size());
+  double largest = 0;
+  for (const TickForces& at : forces) largest = std::max(largest, at.truth);
+  // Where the tools have let go, both skins are back at rest.
+  certificate.displacement_error =
+      forces.back().truth > still_pressed * largest ? errorOf(run, converged.run).displacement : NAN;
   if (one_way) writeCertificate(out, certificate);
 
   line.reset();
@@ -190,8 +196,9 @@ int certifyCommand(const CertifyOptions& options) {
   std::printf("%s: %d nodes against %d and %d\n", scene.name.c_str(), model.nodeCount(), converged.about.coarser_nodes,
               converged.about.nodes);
   printRows(certificate, !one_way);
-  std::printf("displacement of the skin at the end: %.2f %% of the largest\ncertificate  %s\n",
-              100 * certificate.displacement_error,
+  if (std::isfinite(certificate.displacement_error))
+    std::printf("displacement of the skin at the end: %.2f %% of the largest\n", 100 * certificate.displacement_error);
+  std::printf("certificate  %s\n",
               one_way ? out.c_str() : "none: of several tools or jaws it would hold for their scripts alone");
   return 0;
 }

@@ -280,6 +280,7 @@ int followCommand(const FollowOptions& options) {
       "around "
       "the tool alone and changes every 10 mm. A bound that is not held is a goal not reached.";
   report.command = "build/release/tools/mtled follow";
+  if (!options.report.empty()) checkReport(options.report);
   bool lost = false;
   for (const std::string& file : options.scenes) {
     const Study study = studyOf(sceneOf(file, options.nu), options);

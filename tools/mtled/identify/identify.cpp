@@ -220,6 +220,18 @@ void widenForError(double share, const std::vector<double>& measured, const std:
   }
 }
 
+void widenForErrorAlong(double share, const std::vector<double>& measured, const std::vector<SoughtParameter>& sought,
+                        Identified& found) {
+  widenForError(share, measured, sought, found);
+  const double largest = *std::max_element(measured.begin(), measured.end());
+  std::vector<double> beyond;  // a common share
+  for (const double force : measured) {
+    const double positive = std::max(force, 0.0);
+    beyond.push_back(std::cbrt(largest * positive * positive) - positive);
+  }
+  widenForError(share, beyond, sought, found);
+}
+
 double widenForOffset(const std::vector<double>& column, const std::vector<SoughtParameter>& sought,
                       Identified& found) {
   const Eigen::Index count = found.J.cols();

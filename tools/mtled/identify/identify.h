@@ -65,6 +65,11 @@ void widenFor(const std::vector<double>& change, const std::vector<SoughtParamet
 void widenForError(double share, const std::vector<double>& measured, const std::vector<SoughtParameter>& sought,
                    Identified& found);
 
+/// The same for a share that is larger where less of the tool touches, as (largest force / force)^(1/3), which is the
+/// contact's radius over the largest (Hertz): what only the shape of a curve tells, as Poisson's ratio, is no surer.
+void widenForErrorAlong(double share, const std::vector<double>& measured, const std::vector<SoughtParameter>& sought,
+                        Identified& found);
+
 /// Of a curve's residuals, simulated less measured: where depths that counted from another place than the touch leave
 /// little of what follows from row to row, widens the intervals to the values that would fit then.
 /// @param at, measured  depth, m, ascending, and force, N (row_count)

@@ -276,7 +276,7 @@ int identifyCommand(const IdentifyOptions& options) {
   if (relaxing && in_time) fall = pressed.fallOf(found.value);
   Remarks remarks = judge(measured, fall, sought.parameters, found);
   const double of_cloud = pressed.lastCurve().trust.expectedError();
-  widenForError(of_cloud, measured.force, sought.parameters, found);
+  widenForErrorAlong(of_cloud, measured.force, sought.parameters, found);
   if (const std::string doubt = doubtOfScene(pressed.lastCurve().trust); !doubt.empty())
     remarks.doubts.push_back(doubt);
   if (relaxing && !in_time)

@@ -37,8 +37,9 @@ Json toJson(const CaseResult& one) {
 std::string jsonOf(const Report& report) {
   Json cases = Json::array();
   for (const CaseResult& one : report.cases) cases.push_back(toJson(one));
-  const Json json = {{"title", report.title},     {"intro", report.intro}, {"held", report.held()},
-                     {"command", report.command}, {"build", report.build}, {"cases", cases}};
+  const Json json = {
+      {"title", report.title},     {"intro", report.intro}, {"held", report.held()}, {"missing", report.missing},
+      {"command", report.command}, {"build", report.build}, {"cases", cases}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -162,6 +162,8 @@ std::string countOf(const Report& report) {
   std::ostringstream text;
   text << held << " of " << report.cases.size() << (report.cases.size() == 1 ? " case is held; " : " cases are held; ")
        << bounds_held << " of " << bounds << (bounds == 1 ? " bound." : " bounds.");
+  if (report.missing > 0)
+    text << " The run was ended before its last " << report.missing << (report.missing == 1 ? " case." : " cases.");
   return text.str();
 }
 
@@ -187,7 +189,8 @@ void writeCase(std::ostream& out, const CaseResult& one) {
 }  // namespace
 
 bool Report::held() const {
-  return !cases.empty() && std::all_of(cases.begin(), cases.end(), [](const CaseResult& c) { return c.held(); });
+  return !cases.empty() && missing == 0 &&
+         std::all_of(cases.begin(), cases.end(), [](const CaseResult& c) { return c.held(); });
 }
 
 void printTable(std::ostream& out, const ResultTable& table) {
@@ -228,6 +231,11 @@ std::string markdownOf(const Report& report) {
   std::string page = out.str();
   while (page.size() > 1 && page[page.size() - 2] == '\n') page.pop_back();  // one line end closes a file
   return page;
+}
+
+void checkReport(const std::string& folder) {
+  makeFolder(folder);
+  for (const char* file : {"/README.md", "/results.json"}) checkWritable(folder + file);
 }
 
 void writeReport(const std::string& folder, const Report& report) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -16,7 +17,9 @@ struct Report {
   std::string build;    // buildInfo()
   std::vector<CaseResult> cases;
 
-  bool held() const;  // all cases are, and there is one
+  std::size_t missing = 0;  // cases that were not run, or not yet
+
+  bool held() const;  // all cases are, there is one, and none is missing
 };
 
 /// A table as plain text with aligned columns, its title above.
@@ -34,6 +37,9 @@ std::string markdownOf(const Report& report);
 
 /// All of it in JSON; NaN and infinities as the strings "nan", "inf", "-inf".
 std::string jsonOf(const Report& report);
+
+/// Throws as writeReport where nothing can be written there; what stands there stays.
+void checkReport(const std::string& folder);
 
 /// Writes README.md and results.json into a folder, which is made where it is missing.
 /// Throws std::runtime_error that names the file and the reason.

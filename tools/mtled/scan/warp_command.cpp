@@ -147,6 +147,10 @@ int warpCommand(const WarpOptions& options) {
   const fs::path out = options.out.empty() ? fs::path(options.folder) : fs::path(options.out);
   makeFolder(out.string());
   const auto file = [&](const char* name) { return (out / name).string(); };
+  for (const char* name : {"field.nii.gz", "forward.nii.gz", "jacobian.nii.gz", "valid.nii.gz", "warped.nii.gz"})
+    for (const std::string& read : {options.image, options.like})
+      if (isSameFile(file(name), read))
+        throw InputError({read}, "this file is read, and would be written over", "choose another --out");
   const NiftiOptions reading{options.assume_ras, warn};
   try {
     ProgressLine progress("warp");

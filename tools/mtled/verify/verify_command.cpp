@@ -62,7 +62,7 @@ int verifyCommand(const VerifyOptions& options) {
   context.references = sourceFolder() + "/tests/reference";
   std::unique_ptr<Pictures> pictures;
   if (!options.report.empty()) {
-    makeFolder(options.report);
+    checkReport(options.report);
     pictures = openPictures();
     context.pictures = pictures.get();
     context.folder = options.report;
@@ -86,10 +86,12 @@ int verifyCommand(const VerifyOptions& options) {
     if (!options.json.empty()) writeWholeFile(options.json, jsonOf(report));
     if (!options.report.empty()) writeReport(options.report, report);
   };
-  write();  // a place that can't be written to is found before the work, not after
+  if (!options.json.empty()) checkWritable(options.json);
+  report.missing = cases.size();
   for (const auto& c : cases) {
     if (interrupted()) throw std::runtime_error("interrupted; what was done is kept");
     report.cases.push_back(runCase(c, context));
+    --report.missing;
     printCase(std::cout, report.cases.back());
     std::cout << std::endl;
     write();  // what is done stays if the rest is interrupted
