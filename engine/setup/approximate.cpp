@@ -141,6 +141,53 @@ SupportLimit Sight::limit() const {
   };
 }
 
+namespace {
+
+/// Gives rows that no support carries the field of the nearest integration point in sight, to first order: u(x_q) +
+/// grad u(x_q) (x - x_q), exact for linear fields. @return those for which there is no point
+std::vector<InadmissibleSupport> followPoints(const std::vector<Vec3>& at, const std::vector<std::uint64_t>& group,
+                                              const std::vector<InadmissibleSupport>& failed,
+                                              const std::vector<Vec3>& point_X,
+                                              const std::vector<std::uint64_t>& point_group, const SurfaceGaps& gaps,
+                                              const ShapeTable& points, ShapeTable& table) {
+  const auto nearestTo = [&](int row, bool in_sight) {
+    const Vec3& x = at[static_cast<std::size_t>(row)];
+    int nearest = -1;
+    for (int q = 0; q < points.rowCount(); ++q) {
+      const Vec3& X = point_X[static_cast<std::size_t>(q)];
+      if (nearest >= 0 && (X - x).squaredNorm() >= (point_X[static_cast<std::size_t>(nearest)] - x).squaredNorm())
+        continue;
+      const bool is_carried = points.begin[q] < points.begin[q + 1];
+      if (is_carried && (group.empty() || (group[row] & point_group[q]) != 0) && !(in_sight && gaps.areBetween(x, X)))
+        nearest = q;
+    }
+    return nearest;
+  };
+  std::vector<InadmissibleSupport> left;
+  ShapeTable whole;
+  whole.begin.assign(1, 0);
+  auto next = failed.begin();
+  for (int row = 0; row < table.rowCount(); ++row) {
+    if (next == failed.end() || next->row != row) {
+      whole.appendValues(table, row);
+      continue;
+    }
+    int q = nearestTo(row, true);
+    if (q < 0) q = nearestTo(row, false);
+    if (q < 0) left.push_back(*next);
+    for (int e = q < 0 ? 0 : points.begin[q]; e < (q < 0 ? 0 : points.begin[q + 1]); ++e) {
+      whole.node.push_back(points.node[e]);
+      whole.N.push_back(points.N[e] + points.gradN[e].dot(at[static_cast<std::size_t>(row)] - point_X[q]));
+    }
+    whole.begin.push_back(static_cast<int>(whole.node.size()));
+    ++next;
+  }
+  table = std::move(whole);
+  return left;
+}
+
+}  // namespace
+
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
@@ -178,6 +225,8 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
           known.rows = &at_hand.emplace(memory->rows, memory->number, X, radius, mark);
       }
       known.part += values;
+      if (values && attempt == max_enlargements && !gaps.empty() && !failed.empty())
+        failed = followPoints(*at, *rows, failed, point_X, groups.points, gaps, a.points, *table);
       if (failed.empty()) continue;
       admissible = false;
       if (attempt == max_enlargements) {

@@ -621,6 +621,29 @@ TEST_CASE("A lamella between narrow air, thinner than coarse nodes are apart, is
   }
 }
 
+TEST_CASE("Skin that no nodes carry follows the field of the nearest integration point", "[place]") {
+  // Slits of 2 mm around a lamella as thin: at its top nodes see three others, or such as nearly lie in a plane, mm.
+  const std::vector<std::array<double, 2>> outline = {{0, 0},        {70.36, 0},    {70.36, 50.56}, {39.77, 50.56},
+                                                      {34.8, 18.7},  {32.87, 18.7}, {37.85, 50.56}, {34.65, 50.56},
+                                                      {30.92, 18.7}, {29.18, 18.7}, {32.91, 50.56}, {0, 50.56}};
+  Scene scene = test::barScene();
+  scene.tools[0].shape.radius = 0.012;
+  scene.tools[0].position = Vec3(0.05629, 0.015, 0.06476);
+  scene.discretization.seed = 9;  // would be refused, as six of 24 of these blocks
+  const Places places = makePlaces(scene, prism(outline, 0.03));
+  const Place place = makePlace(places, startPlace(places));
+  const SkinModel& skin = place.model.skin;
+  double most = 0, largest = 0;  // m, that a row misses its vertex by; sum of a row's sizes
+  for (int v = 0; v < skin.vertexCount(); ++v) {
+    Vec3 followed = -skin.surface.vertices[v];
+    for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) followed += skin.N[e] * place.model.X[skin.node[e]];
+    most = std::max(most, followed.norm());
+    largest = std::max(largest, rowSum(skin, v));
+  }
+  CHECK(most < 1e-7);
+  CHECK(largest < 20);
+}
+
 TEST_CASE("Lips that close to an acute edge do not make the whole body stiff", "[place]") {
   // A slit 3 mm wide at its base and 0.4 mm at the top, mm: on some clouds no integration point follows a node of its
   // lips, and such a node upset the gradients everywhere (steps of a tick 125 for 6, or 1e10).
