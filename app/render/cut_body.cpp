@@ -186,26 +186,13 @@ void addRows(const Body& model, const Clipped& clipped, SkinModel& skin) {
       row[v] = static_cast<int>(points.size());
       points.push_back(clipped.surface.vertices[v]);
     }
-  // The supports were made for the model's own points; where they don't carry one of these, wider ones do.
-  const std::vector<int> body = bodiesAt(model, points);
-  std::vector<ShapeTable> tables;
-  std::vector<int> table(points.size(), 0);
-  std::vector<InadmissibleSupport> failed;
-  for (const double widening : {1.0, 1.25, 1.6, 2.0}) {
-    failed.clear();
-    tables.push_back(shapeAt(model, points, body, failed, widening));
-    std::vector<char> bad(points.size(), 0);
-    for (const InadmissibleSupport& f : failed) bad[f.row] = 1;
-    for (std::size_t p = 0; p < points.size(); ++p)
-      if (table[p] == static_cast<int>(tables.size()) - 1 && bad[p]) ++table[p];
-    if (failed.empty()) break;
-  }
+  const ShapeTable table = shapeAt(model, points);
   skin.begin.assign(1, 0);
   for (std::size_t v = 0; v < row.size(); ++v) {
     if (row[v] < 0)
       appendRow(skin, model.skin, clipped.old_vertex[v]);
     else
-      appendRow(skin, tables[std::min<std::size_t>(table[row[v]], tables.size() - 1)], row[v]);
+      appendRow(skin, table, row[v]);
   }
 }
 

@@ -143,8 +143,13 @@ std::unique_ptr<FollowingTissue> buildFollowingOf(const Scene& scene, bool use_c
   std::shared_ptr<PlaceSource> loaded = loadFollowing(scene, shown.report, cache, shown.warn);
   shown.end();
   const Places& places = loaded->places();
-  log.detail(format("the cloud follows the tool: nodes %.1f mm apart near it, %.1f mm elsewhere; %zu places",
-                    1e3 * places.sizes.fine, 1e3 * places.sizes.coarse, places.centres.size()));
+  double thinnest = places.sizes.fine;
+  for (const BodyPlaces& body : places.body)
+    for (const SpacingField::Refinement& ball : body.thin) thinnest = std::min(thinnest, ball.spacing);
+  const std::string in_thin =
+      thinnest < places.sizes.fine ? format(", %.1f mm where it is thin there", 1e3 * thinnest) : "";
+  log.detail(format("the cloud follows the tool: nodes %.1f mm apart near it%s, %.1f mm elsewhere; %zu places",
+                    1e3 * places.sizes.fine, in_thin.c_str(), 1e3 * places.sizes.coarse, places.centres.size()));
   describe(loaded->start()->model, timed, log);
   return std::make_unique<FollowingTissue>(std::move(loaded), scene.dynamics.threads, timed);
 }

@@ -30,11 +30,8 @@ std::shared_ptr<const palpate_points::Rows> makeRows(const palpate_points& point
                                                      const std::shared_ptr<const Model>& model) {
   auto rows = std::make_shared<palpate_points::Rows>();
   rows->of = model;
-  std::vector<InadmissibleSupport> failed;
   const std::vector<int> body = bodiesAt(*model, points.X);
-  rows->own = shapeAt(*model, points.X, body, failed);
-  if (!failed.empty())
-    refusePoint(points, static_cast<std::size_t>(failed.front().row), " has too few nodes around it");
+  rows->own = shapeAt(*model, points.X, body);
   rows->shape = &rows->own;
   rows->nearest = nearestPoints(*model, points.X, body);
   return rows;

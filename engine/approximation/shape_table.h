@@ -24,6 +24,16 @@ struct ShapeTable {
     N.insert(N.end(), from.N.begin() + first, from.N.begin() + end);
     begin.push_back(static_cast<int>(node.size()));
   }
+
+  /// A row of another table at the end, continued from its point to one that is `way` (m) from it.
+  void append(const ShapeTable& from, int row, const Vec3& way = Vec3::Zero()) {
+    for (int e = from.begin[row]; e < from.begin[row + 1]; ++e) {
+      node.push_back(from.node[e]);
+      N.push_back(from.gradN.empty() ? from.N[e] : from.N[e] + from.gradN[e].dot(way));
+      if (!from.gradN.empty()) gradN.push_back(from.gradN[e]);
+    }
+    begin.push_back(static_cast<int>(node.size()));
+  }
 };
 
 /// What a row makes of a nodal field: sum_i N_i value(i).

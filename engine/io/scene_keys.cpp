@@ -83,8 +83,8 @@ constexpr KeySpec scene_keys[] = {
      "far apart near the tool, and elsewhere as much wider or closer than by its radius."},
     {"discretization", "follow", T::Boolean, "", depends, {}, "",
      "The cloud follows the tool: nodes are dense in a ball around each tool and wide apart elsewhere, both by the "
-     "tool's radius or by `spacing`, and change while it moves. So it is where no `spacing` is given. Solutions "
-     "(`mtled solve`) and "
+     "tool's radius or by `spacing`, and change while it moves; tissue in a ball that is thinner than two of its "
+     "spacings has nodes up to twice as dense. So it is where no `spacing` is given. Solutions (`mtled solve`) and "
      "fits of material have the cloud for where the tool ends."},
     {"discretization", "seed", T::Integer, "", "1", between(0, 4294967295.0), "",
      "Another seed, another irregular node cloud; the same seed, the same bits."},

@@ -2,12 +2,12 @@
 
 #include <array>
 #include <cstdint>
-#include <unordered_set>
+#include <functional>
 #include <vector>
 
 #include "approximation/known_rows.h"
 #include "approximation/neighbours.h"
-#include "approximation/shape_table.h"
+#include "approximation/shape_functions.h"
 #include "discretization/cells/background_cells.h"
 #include "discretization/cells/integration_points.h"
 #include "discretization/surface/surface_gaps.h"
@@ -65,9 +65,20 @@ struct Sight {
 
   const SurfaceGaps& gaps;
   std::vector<std::vector<int>> joined;  // of each node those that it shares a cell with, ascending; no gaps: empty
-  std::unordered_set<std::uint64_t> in_need;  // hashOf places that have no admissible support by what they see
-  std::vector<std::uint8_t> lonely;  // lonelyNodes of the integration points: nothing else follows them, either
+  std::vector<std::uint8_t> lonely;      // lonelyNodes of the integration points: nothing else follows them, either
 };
+
+/// Gives rows that no support carries the field of the nearest integration point in sight, failing that of the nearest,
+/// to first order: u(x_q) + grad u(x_q) (x - x_q), exact for linear fields.
+/// @param failed          ascending; their rows in `table` are empty
+/// @param points          rows of the integration points, with gradients; may be `table`
+/// @param areOfOne(r, q)  whether row r may follow point q
+/// @return those for which there is no point
+std::vector<InadmissibleSupport> followPoints(const std::vector<Vec3>& at,
+                                              const std::vector<InadmissibleSupport>& failed,
+                                              const std::vector<Vec3>& point_X, const ShapeTable& points,
+                                              const std::function<bool(int, int)>& areOfOne, const SurfaceGaps& gaps,
+                                              ShapeTable& table);
 
 /// @param gaps, cells  of Sight
 /// @param groups       empty: supports reach over all borders

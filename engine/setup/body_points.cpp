@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "base/place_hash.h"
 #include "setup/approximate.h"
 
 namespace palpate {
@@ -58,10 +57,7 @@ ShapeTable merged(const std::vector<ShapeTable>& tables, const std::vector<std::
   all.begin.push_back(0);
   for (const auto& [t, r] : from) {
     const ShapeTable& table = tables[static_cast<std::size_t>(t)];
-    all.appendValues(table, r);
-    if (table.gradN.empty()) continue;
-    const auto gradients = table.gradN.begin();
-    all.gradN.insert(all.gradN.end(), gradients + table.begin[r], gradients + table.begin[r + 1]);
+    all.append(table, r);
   }
   return all;
 }
@@ -126,10 +122,7 @@ std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& point
   return nearest;
 }
 
-ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body,
-                   std::vector<InadmissibleSupport>& failed, double widening) {
-  std::vector<double> radius = model.support_radius;
-  for (double& r : radius) r *= widening;
+ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body) {
   const MmlsOptions options{model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight};
   const SupportGroups groups = groupsAt(model, points, body);
   const std::vector<std::uint8_t> lonely = lonelyNodes(model.point_shape, model.X.size());
@@ -141,21 +134,17 @@ ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std
     Sight sight(*model.gaps[static_cast<std::size_t>(p)], model.X.size(), model.cells);
     sight.lonely = lonely;
     const std::vector<Vec3> at = picked(points, rows);
-    const Neighbours neighbours(model.X, radius, sight.limit());
-    std::vector<InadmissibleSupport> bad;
-    ShapeTable table = shapeFunctions(at, model.X, radius, neighbours, options, bad, own);
-    if (!bad.empty() && !sight.gaps.empty()) {
-      for (const InadmissibleSupport& f : bad) sight.in_need.insert(hashOf(at[static_cast<std::size_t>(f.row)]));
-      table = shapeFunctions(at, model.X, radius, neighbours, options, bad, own);
-    }
+    const Neighbours neighbours(model.X, model.support_radius, sight.limit());
+    std::vector<InadmissibleSupport> failed;
+    ShapeTable table = shapeFunctions(at, model.X, model.support_radius, neighbours, options, failed, own);
+    const auto areOfOne = [&](int row, int q) {
+      return model.bodyOfPoint(q) == p &&
+             (own.row.empty() || (own.row[static_cast<std::size_t>(row)] & groupOf(model, q)) != 0);
+    };
+    if (!failed.empty()) followPoints(at, failed, model.point_X, model.point_shape, areOfOne, sight.gaps, table);
     tables.push_back(std::move(table));
-    for (InadmissibleSupport& f : bad) {
-      f.row = rows[static_cast<std::size_t>(f.row)];
-      failed.push_back(f);
-    }
     of.push_back(rows);
   });
-  std::sort(failed.begin(), failed.end(), [](const auto& a, const auto& b) { return a.row < b.row; });
   return tables.size() == 1 ? std::move(tables.front()) : merged(tables, of, points.size());
 }
 

@@ -17,17 +17,14 @@ std::vector<int> bodiesAt(const Body& model, const std::vector<Vec3>& points);
 std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body);
 
 /// Shape functions at points of the body (m, at rest). Where supports end at borders between materials, those of a
-/// point do as those of the integration point nearest to it.
-/// @param body      (points.size()) of which of the bodies each is
-/// @param failed    receives the points that the nodes near them can't carry
-/// @param widening  of the supports
-ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body,
-                   std::vector<InadmissibleSupport>& failed, double widening = 1);
+/// point do as those of the integration point nearest to it; what the nodes near it can't carry follows one
+/// (followPoints).
+/// @param body  (points.size()) of which of the bodies each is
+ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body);
 
 /// The same, of the bodies that the points lie in.
-inline ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points,
-                          std::vector<InadmissibleSupport>& failed) {
-  return shapeAt(model, points, bodiesAt(model, points), failed);
+inline ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points) {
+  return shapeAt(model, points, bodiesAt(model, points));
 }
 
 }  // namespace palpate

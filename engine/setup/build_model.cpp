@@ -30,17 +30,6 @@ const Vec3& imposedPoint(const Scene& scene, const ImposedNode& point) {
   return scene.boundaries[*std::max_element(point.boundary.begin(), point.boundary.end())].region.point;
 }
 
-/// Shape functions at points where displacement is imposed.
-ShapeTable shapeAtImposed(const Model& model, const std::vector<Vec3>& points) {
-  std::vector<InadmissibleSupport> failed;
-  ShapeTable shape = shapeAt(model, points, failed);
-  if (failed.empty()) return shape;
-  throw InputError(
-      model.scene.boundaries.front().place,
-      "the nodes near the point at " + coordinates(points[failed.front().row]) + " can't carry an approximation",
-      "lower discretization.spacing, or leave the point out");
-}
-
 /// Whether the cells take pressure over from the patches: not where a face is turned, or moved while it is bonded,
 /// which curves the flow, of which cells see chords; but in a body that is held all around and pressed without a turn.
 /// Not under surface loads, which are in equilibrium with points: what cells hold acts on other nodes of a face, and
@@ -80,8 +69,7 @@ void completeEssential(const Scene& scene, Model& model) {
     if (node.node < 0) points.push_back(imposedPoint(scene, node));
     essential.X.push_back(node.node < 0 ? points.back() : model.X[node.node]);
   }
-  essential.phi =
-      rowsOf(model.node_shape, essential.nodes, points.empty() ? ShapeTable{} : shapeAtImposed(model, points));
+  essential.phi = rowsOf(model.node_shape, essential.nodes, points.empty() ? ShapeTable{} : shapeAt(model, points));
   essential.facet_points = essential.facets.empty() ? 0 : FacetRule::size;
   model.imposed = imposedComponents(essential.nodes, model.X.size());
   try {

@@ -118,20 +118,14 @@ void check(const Body& body, const std::vector<Facet>& facets, const LoadSpec& s
 
 /// R of each facet: node -> coefficient.
 std::vector<std::map<int, double>> coefficients(const Body& body, const std::vector<Facet>& facets,
-                                                const LoadSpec& spec, const std::vector<LoadedFacet>& loaded) {
+                                                const std::vector<LoadedFacet>& loaded) {
   std::vector<Vec3> points;
   std::vector<int> of;
   for (const LoadedFacet& l : loaded) {
     points.insert(points.end(), l.X.begin(), l.X.end());
     of.resize(points.size(), body.bodyOfNode(facets[l.facet][0]));
   }
-  std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape = shapeAt(body, points, of, failed);
-  if (!failed.empty())
-    throw InputError(spec.place,
-                     "the nodes near the loaded skin at " + coordinates(points[failed.front().row]) +
-                         " can't carry an approximation",
-                     "lower discretization.spacing");
+  const ShapeTable shape = shapeAt(body, points, of);
   std::vector<std::map<int, double>> rows(loaded.size());
   int r = 0;
   for (std::size_t k = 0; k < loaded.size(); ++k)
@@ -203,7 +197,7 @@ SurfaceLoads makeSurfaceLoads(const Body& body, const SurfaceTree& organ) {
     const bool follows = spec.kind == LoadSpec::Kind::FollowerPressure;
     const std::vector<LoadedFacet> loaded = loadedFacets(body, facets, organ, spec);
     check(body, facets, spec, loaded);
-    const auto R = coefficients(body, facets, spec, loaded);
+    const auto R = coefficients(body, facets, loaded);
     loads.course.push_back({spec.curve, spec.duration});
     loads.pressure.push_back(follows ? spec.pressure : 0);
     loads.dead.emplace_back();

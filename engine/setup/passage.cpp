@@ -191,9 +191,7 @@ Passage makePassage(const Place& a, const Place& b) {
     body.push_back(b.model.bodyOfNode(i));
     passage.own.appendValues(b.model.node_shape, i);
   }
-  std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape = shapeAt(a.model, moved, body, failed);
-  if (!failed.empty()) throw std::runtime_error("a node of a place lies where the other has no approximation");
+  const ShapeTable shape = shapeAt(a.model, moved, body);
   for (std::size_t r = 0; r < passage.node.size(); ++r) {
     const int k = passage.from[passage.node[r]];
     if (k >= 0 && (a.model.X[k] - moved[r]).norm() <= same_place)

@@ -70,6 +70,7 @@ struct BodyPlaces {
   CommonToBody common;
   double fine = 0;    // m, spacing in the smallest tool's ball
   double widest = 0;  // m, that of any ball at most: what is small beside the tools has nodes for itself
+  std::vector<SpacingField::Refinement> thin;  // where a tool's ball would have less than two nodes across
 };
 
 struct Places {
@@ -138,7 +139,7 @@ PlaceIndex nextPlace(const Places& places, const PlaceIndex& present, const Tool
 /// along their axes. For set-up.
 PlaceIndex placeUnder(const Places& places, ToolPostures tools);
 
-/// The spacing that a place wants, of several bodies far from the tools the widest.
+/// The spacing that a place wants but for what is thin, of several bodies far from the tools the widest.
 SpacingField wantedSpacing(const Places& places, const PlaceIndex& index);
 
 }  // namespace palpate

@@ -123,12 +123,10 @@ TEST_CASE("A ball whose modulus varies with an image is compressed as its radial
     StaticSolver solver(model, 2, 1e-4);
     REQUIRE(solver.advanceTo(1).converged);
     const std::vector<double> reference = radialReference(model.materials[0], model.materials[1]);
-    std::vector<InadmissibleSupport> failed;
     std::vector<Vec3> at;
     for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(1, 1, 1), Vec3(-1, 1, -1)})
       for (int k = 1; k < 10; ++k) at.emplace_back(way.normalized() * ball * k / 10);
-    const ShapeTable shape = shapeAt(model, at, failed);
-    REQUIRE(failed.empty());
+    const ShapeTable shape = shapeAt(model, at);
     const std::vector<Vec3> u = fieldAt(shape, solver.body().u);
     double worst = 0, from_uniform = 0;
     for (std::size_t k = 0; k < at.size(); ++k) {

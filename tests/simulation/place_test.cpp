@@ -621,6 +621,38 @@ TEST_CASE("A lamella between narrow air, thinner than coarse nodes are apart, is
   }
 }
 
+TEST_CASE("Tissue thinner than two spacings under the tool has two nodes across, far from it not", "[place]") {
+  // A bar with slits of 1.5 mm, and between them a lamella of 4 mm, mm.
+  const TriangleSurface bar = prism({{0, 0},
+                                     {140, 0},
+                                     {140, 30},
+                                     {105.5, 30},
+                                     {105.5, 10},
+                                     {104, 10},
+                                     {104, 30},
+                                     {100, 30},
+                                     {100, 10},
+                                     {98.5, 10},
+                                     {98.5, 30},
+                                     {0, 30}},
+                                    0.04);
+  Scene scene = test::barScene();
+  scene.tools[0].shape.radius = 0.012;
+  scene.tools[0].position = Vec3(0.03, 0.02, 0.045);
+  const Places places = makePlaces(scene, bar);
+  REQUIRE(places.sizes.fine == Approx(0.006));
+  for (const SpacingField::Refinement& ball : places.body[0].thin) CHECK(ball.spacing == Approx(0.003));
+  const auto inLamella = [](const Place& place) {
+    return std::count_if(place.model.X.begin(), place.model.X.end(),
+                         [](const Vec3& X) { return X.x() > 0.0995 && X.x() < 0.1045 && X.z() > 0.012; });
+  };
+  const Place above = makePlace(places, indexAt(places, Vec3(0.102, 0.02, 0.03))),
+              far = makePlace(places, startPlace(places));
+  CHECK(inLamella(above) > 120);  // on both sides, 3 mm apart: some 200
+  CHECK(inLamella(far) < 60);
+  CHECK(above.model.nodeCount() <= places.most_nodes);
+}
+
 TEST_CASE("Skin that no nodes carry follows the field of the nearest integration point", "[place]") {
   // Slits of 2 mm around a lamella as thin: at its top nodes see three others, or such as nearly lie in a plane, mm.
   const std::vector<std::array<double, 2>> outline = {{0, 0},        {70.36, 0},    {70.36, 50.56}, {39.77, 50.56},

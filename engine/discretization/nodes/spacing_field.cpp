@@ -21,7 +21,7 @@ double SpacingField::at(const Vec3& x) const {
   double h = spacing;
   for (const Refinement& r : refinements) {
     const double difference = spacing - r.spacing;
-    if (difference == 0) continue;
+    if (difference == 0 || r.spacing >= h) continue;
     const double wanted = r.blend > 0 ? r.blend : 3 * difference;
     const double blend = std::max(wanted, difference / steepest_growth);
     const double beyond = std::max(0.0, (x - r.centre).norm() - r.radius);

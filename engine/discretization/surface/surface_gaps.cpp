@@ -55,25 +55,32 @@ std::vector<Vec3> acrossAir(const SurfaceTree& body, const Vec3& x, double wides
   return found;
 }
 
-double thicknessOf(const SurfaceTree& body, double share) {
-  constexpr double everywhere = std::numeric_limits<double>::infinity();
-  const TriangleSurface& skin = body.surface();
-  std::vector<std::pair<double, double>> thin(skin.triangles.size(), {everywhere, 0});  // m, m^2
-  parallelFor(static_cast<int>(thin.size()), [&](int first, int last) {
+std::vector<double> thicknesses(const TriangleSurface& skin, const SurfaceTree& body) {
+  std::vector<double> thickness(skin.triangles.size(), std::numeric_limits<double>::infinity());
+  parallelFor(static_cast<int>(thickness.size()), [&](int first, int last) {
     for (int t = first; t < last; ++t) {
       const Vec3 area = areaVector(skin, t);
       if (!(area.squaredNorm() > 0)) continue;
       const auto& [a, b, c] = skin.triangles[t];
       const Vec3 middle = (skin.vertices[a] + skin.vertices[b] + skin.vertices[c]) / 3;
-      const double way = wayAcross(body, middle, -area.normalized(), lift_of_edge * std::sqrt(area.norm()), everywhere);
-      thin[t] = {way > 0 ? way : everywhere, area.norm()};
+      const double way = wayAcross(body, middle, -area.normalized(), lift_of_edge * std::sqrt(area.norm()),
+                                   std::numeric_limits<double>::infinity());
+      if (way > 0) thickness[t] = way;
     }
   });
+  return thickness;
+}
+
+double thicknessOf(const SurfaceTree& body, double share) {
+  const std::vector<double> thickness = thicknesses(body.surface(), body);
+  std::vector<std::pair<double, double>> thin;  // m, m^2
+  for (std::size_t t = 0; t < thickness.size(); ++t)
+    thin.emplace_back(thickness[t], areaVector(body.surface(), static_cast<int>(t)).norm());
   std::sort(thin.begin(), thin.end());
-  double left = share * surfaceArea(skin);
-  for (const auto& [thickness, area] : thin)
-    if ((left -= area) <= 0) return thickness;
-  return everywhere;
+  double left = share * surfaceArea(body.surface());
+  for (const auto& [across, area] : thin)
+    if ((left -= area) <= 0) return across;
+  return std::numeric_limits<double>::infinity();
 }
 
 namespace {

@@ -38,8 +38,12 @@ class SurfaceGaps {
 /// for each face at x that looks at skin (an edge may look at two).
 std::vector<Vec3> acrossAir(const SurfaceTree& body, const Vec3& x, double widest);
 
-/// How thick a body is at most, m, where a share of its skin is thinnest: from each face straight through to skin that
-/// looks the other way; infinity where less has such skin.
+/// m, from the middle of each face straight through a body to skin that looks the other way (face_count); infinity where
+/// there is none.
+/// @param skin  faces of the body's surface, or parts of them
+std::vector<double> thicknesses(const TriangleSurface& skin, const SurfaceTree& body);
+
+/// How thick a body is at most, m, where a share of its skin is thinnest; infinity where less has a thickness.
 double thicknessOf(const SurfaceTree& body, double share);
 
 }  // namespace palpate

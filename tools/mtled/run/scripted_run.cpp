@@ -30,13 +30,6 @@ double quantile(std::vector<double> values, double q) {
   return values[at];
 }
 
-ShapeTable probeShape(const Model& model, const std::vector<Vec3>& probes) {
-  std::vector<InadmissibleSupport> failed;
-  ShapeTable shape = shapeAt(model, probes, failed);
-  if (!failed.empty()) throw std::runtime_error("a probe lies outside the body");
-  return shape;
-}
-
 /// @param tickTo  advances to where the tools are then; adds what that came to
 template <class TickTo>
 void follow(const ToolTrajectory& way, ScriptedRun& run, TickTo&& tickTo) {
@@ -148,7 +141,7 @@ State stateAt(const Model& model, const ToolPostures& tools) {
 
 ScriptedRun runTrajectory(const Model& model, const ToolTrajectory& way, const std::vector<Vec3>& probes, int threads,
                           bool in_double, const std::function<void(double)>& watch) {
-  const ShapeTable shape = probeShape(model, probes);
+  const ShapeTable shape = shapeAt(model, probes);
   ScriptedRun run;
   AlignedVector<Double4> u;
   if (in_double)
@@ -160,7 +153,7 @@ ScriptedRun runTrajectory(const Model& model, const ToolTrajectory& way, const s
 }
 
 std::vector<Vec3> displacementAt(const Model& model, const std::vector<Vec3>& probes, const State& state) {
-  return fieldAt(probeShape(model, probes), inDouble(state.u));
+  return fieldAt(shapeAt(model, probes), inDouble(state.u));
 }
 
 double relativeL2(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference) {

@@ -74,8 +74,7 @@ void SolveResults::readProbePoints() {
   if (scene.solve.probes_file.empty()) return;
   const auto place = scene.places.find("solve.probes");
   probes_ = readProbes(scene.solve.probes_file, place == scene.places.end() ? SourceLocation{} : place->second);
-  std::vector<InadmissibleSupport> failed;
-  probe_shape_ = shapeAt(model_, probes_.X, failed);
+  probe_shape_ = shapeAt(model_, probes_.X);
   const SurfaceTree organ(organSurface(scene));
   // The organ's faces are flat where a probe may lie on the round that they stand for.
   const double tolerance = 0.05 * scene.discretization.spacing;
@@ -83,9 +82,6 @@ void SolveResults::readProbePoints() {
     if (organ.signedDistance(probes_.X[k]) > tolerance)
       throw InputError({scene.solve.probes_file, probes_.table.line[k]}, "this point lies outside the body",
                        "move it inside, or leave it out");
-  if (!failed.empty())
-    throw InputError({scene.solve.probes_file, probes_.table.line[failed.front().row]},
-                     "the nodes near this point can't carry an approximation", "move it inwards, or leave it out");
 }
 
 std::vector<std::string> SolveResults::columns() const {

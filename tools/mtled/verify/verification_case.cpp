@@ -78,12 +78,7 @@ std::vector<Vec3> StaticSolution::uAsVectors() const {
   return result;
 }
 
-std::vector<Vec3> StaticSolution::at(const std::vector<Vec3>& X) const {
-  std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape = shapeAt(*model, X, failed);
-  if (!failed.empty()) throw std::runtime_error("a probe lies outside the body");
-  return fieldAt(shape, u());
-}
+std::vector<Vec3> StaticSolution::at(const std::vector<Vec3>& X) const { return fieldAt(shapeAt(*model, X), u()); }
 
 StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context,
                          double tolerance, const StaticSolution* start_from, const TriangleSurface* organ) {

@@ -64,8 +64,7 @@ Matrix gradientNorm(const Model& model) {
     divideCell(corners, 8, 0, children);
     for (const auto& child : children) rule.append(child, volume / 8, static_cast<int>(c), fine);
   }
-  std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape = shapeAt(model, fine.X, failed);
+  const ShapeTable shape = shapeAt(model, fine.X);
   const int n = model.nodeCount();
   Matrix scalar = Matrix::Zero(n, n);
   for (int q = 0; q < shape.rowCount(); ++q)
