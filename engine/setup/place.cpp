@@ -176,8 +176,8 @@ std::vector<Vec3> centresOn(const TriangleSurface& skin, double stride) {
 
 /// Balls with two nodes across tissue that is thinner than two fine spacings: with one or none a lamella beside narrow
 /// air bends as a solid, or goes as what is around it. (Blocks of 60 x 40 x 30 mm with slits of 1 and 2 mm, 1 to 8 mm
-/// apart, under a ball of 12 mm: 8 to 51 % off without, 0.4 to 9 % with half of the fine spacing, 2 to 3 % with a third,
-/// which takes twice the nodes and a half more steps.)
+/// apart, under a ball of 12 mm: 8 to 51 % off without, 0.4 to 9 % with half of the fine spacing, 2 to 3 % with a
+/// third, which takes twice the nodes and a half more steps.)
 /// @param ball_reach  m, of a tool's ball, in which they have some thousand nodes at most: wider where much is thin
 std::vector<SpacingField::Refinement> thinTissue(const TriangleSurface& skin, const BodyPlaces& body,
                                                  double ball_reach) {

@@ -38,8 +38,8 @@ class SurfaceGaps {
 /// for each face at x that looks at skin (an edge may look at two).
 std::vector<Vec3> acrossAir(const SurfaceTree& body, const Vec3& x, double widest);
 
-/// m, from the middle of each face straight through a body to skin that looks the other way (face_count); infinity where
-/// there is none.
+/// m, from the middle of each face straight through a body to skin that looks the other way (face_count); infinity
+/// where there is none.
 /// @param skin  faces of the body's surface, or parts of them
 std::vector<double> thicknesses(const TriangleSurface& skin, const SurfaceTree& body);
 
