@@ -139,7 +139,7 @@ SupportLimit Sight::limit() const {
 std::vector<InadmissibleSupport> followPoints(const std::vector<Vec3>& at,
                                               const std::vector<InadmissibleSupport>& failed,
                                               const std::vector<Vec3>& point_X, const ShapeTable& points,
-                                              const std::function<bool(int, int)>& areOfOne, const SurfaceGaps& gaps,
+                                              const std::function<bool(int, int)>& mayFollow, const SurfaceGaps& gaps,
                                               ShapeTable& table) {
   const auto nearestTo = [&](int row, bool in_sight) {
     const Vec3& x = at[static_cast<std::size_t>(row)];
@@ -148,7 +148,7 @@ std::vector<InadmissibleSupport> followPoints(const std::vector<Vec3>& at,
     for (int q = 0; q < points.rowCount(); ++q) {
       const Vec3& X = point_X[static_cast<std::size_t>(q)];
       const double distance2 = (X - x).squaredNorm();
-      if (distance2 >= least2 || points.begin[q] == points.begin[q + 1] || !areOfOne(row, q)) continue;
+      if (distance2 >= least2 || points.begin[q] == points.begin[q + 1] || !mayFollow(row, q)) continue;
       if (in_sight && gaps.areBetween(x, X)) continue;
       nearest = q;
       least2 = distance2;
@@ -212,8 +212,8 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
       *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {groups.of_nodes, *rows}, known,
                               values ? Wanted::Values : Wanted::Gradients);
       if (attempt == most && !gaps.empty() && !failed.empty()) {
-        const auto areOfOne = [&](int row, int q) { return rows->empty() || ((*rows)[row] & groups.points[q]) != 0; };
-        failed = followPoints(*at, failed, point_X, a.points, areOfOne, gaps, *table);
+        const auto mayFollow = [&](int row, int q) { return rows->empty() || ((*rows)[row] & groups.points[q]) != 0; };
+        failed = followPoints(*at, failed, point_X, a.points, mayFollow, gaps, *table);
         follows = true;
       }
       if (!values) {

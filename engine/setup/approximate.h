@@ -72,12 +72,12 @@ struct Sight {
 /// to first order: u(x_q) + grad u(x_q) (x - x_q), exact for linear fields.
 /// @param failed          ascending; their rows in `table` are empty
 /// @param points          rows of the integration points, with gradients; may be `table`
-/// @param areOfOne(r, q)  whether row r may follow point q
+/// @param mayFollow(r, q)  whether row r may follow point q
 /// @return those for which there is no point
 std::vector<InadmissibleSupport> followPoints(const std::vector<Vec3>& at,
                                               const std::vector<InadmissibleSupport>& failed,
                                               const std::vector<Vec3>& point_X, const ShapeTable& points,
-                                              const std::function<bool(int, int)>& areOfOne, const SurfaceGaps& gaps,
+                                              const std::function<bool(int, int)>& mayFollow, const SurfaceGaps& gaps,
                                               ShapeTable& table);
 
 /// @param gaps, cells  of Sight

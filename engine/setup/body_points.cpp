@@ -137,11 +137,11 @@ ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std
     const Neighbours neighbours(model.X, model.support_radius, sight.limit());
     std::vector<InadmissibleSupport> failed;
     ShapeTable table = shapeFunctions(at, model.X, model.support_radius, neighbours, options, failed, own);
-    const auto areOfOne = [&](int row, int q) {
+    const auto mayFollow = [&](int row, int q) {
       return model.bodyOfPoint(q) == p &&
              (own.row.empty() || (own.row[static_cast<std::size_t>(row)] & groupOf(model, q)) != 0);
     };
-    if (!failed.empty()) followPoints(at, failed, model.point_X, model.point_shape, areOfOne, sight.gaps, table);
+    if (!failed.empty()) followPoints(at, failed, model.point_X, model.point_shape, mayFollow, sight.gaps, table);
     tables.push_back(std::move(table));
     of.push_back(rows);
   });

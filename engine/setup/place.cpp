@@ -126,6 +126,11 @@ double ballRadius(double resolved, double fine) { return std::max(ball_radii * r
 
 double ballRadius(const ToolShape& tool, double fine) { return ballRadius(resolvedRadius(tool), fine); }
 
+/// With both of a tool's jaws.
+double ballRadius(const ToolSpec& tool, double fine) {
+  return ballRadius(tool.shape, fine) + (tool.jaws() ? tool.opening / 2 : 0);
+}
+
 /// A rigid body that is as narrow as a tool needs nodes as near to one another, and the tools' balls are elsewhere (a
 /// ball of 2.5 mm on nodes 5.3 mm apart pressed by 35 % too much): balls for round bodies that are no longer than such
 /// a ball, where their middle comes nearest to the organ while they move.
@@ -181,8 +186,11 @@ std::vector<Vec3> centresOn(const TriangleSurface& skin, double stride) {
 /// @param ball_reach  m, of a tool's ball, in which they have some thousand nodes at most: wider where much is thin
 std::vector<SpacingField::Refinement> thinTissue(const TriangleSurface& skin, const BodyPlaces& body,
                                                  double ball_reach) {
-  constexpr double closest = 0.5, worth = 0.8;  // of the fine spacing: no nearer, and not for less than a fifth
-  constexpr std::size_t most_balls = 300;       // that a spacing is made of: fewer and wider ones where there are more
+  // Of the fine spacing: no nearer, and not for less than a fifth (sheets 1.65 and 1.85 spacings thick are 5 and 8 % too
+  // soft without, 19 and 9 expected).
+  constexpr double closest = 0.5, worth = 0.8;
+  // Fewer and wider ones where there are more: a comb's thousands took 57 % of its set-up to look at, these take 4.
+  constexpr std::size_t most_balls = 300;
   const TriangleSurface& closed = body.surface.surface();
   const std::vector<double> thickness = thicknesses(skin, body.surface);
   double least =
@@ -284,7 +292,7 @@ std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceI
     ball.centre = places.centres[static_cast<std::size_t>(index[t])];
     ball.spacing = std::min(
         widest, std::max(places.sizes.fine, widening(places.scene) * fine_radii * resolvedRadius(tools[t].shape)));
-    ball.radius = ballRadius(tools[t].shape, ball.spacing) + (tools[t].jaws() ? tools[t].opening / 2 : 0);
+    ball.radius = ballRadius(tools[t], ball.spacing);
     const std::size_t before = balls.size();
     if (reaches(ball, coarse, body)) balls.push_back(ball);
     for (const SpacingField::Refinement& narrow : thin)
@@ -319,9 +327,11 @@ int mostNodes(const Places& places, int of_first) {
       }
       nodes += std::min(in_ball / volume_per_node, static_cast<double>(body.cloud.nodeCount()));
     }
-    if (body.thin.empty()) continue;
+    double widest_thin = 0;  // m, radius
+    for (const SpacingField::Refinement& narrow : body.thin) widest_thin = std::max(widest_thin, narrow.radius);
     for (const ToolSpec& tool : places.scene.tools) {
-      const double around = ballRadius(tool.shape, body.widest) + 4 * coarse;
+      if (body.thin.empty()) break;
+      const double around = ballRadius(tool, body.widest) + widest_thin + 3 * coarse;  // 3: as SpacingField grows
       std::ptrdiff_t most = 0;
       for (const Vec3& centre : places.centres)
         most = std::max(most, std::count_if(body.cloud.X.begin(), body.cloud.X.end(),
@@ -520,7 +530,7 @@ void addSkin(const Scene& as_read, Places& places) {
     plain.discretization.refine = finerThan(body.fine, as_read.discretization.refine);
     TriangleSurface& skin = body.common.skin = refineForContact(plain, body.surface.surface());
     double ball_reach = 0;
-    for (const ToolSpec& tool : as_read.tools) ball_reach = std::max(ball_reach, ballRadius(tool.shape, body.fine));
+    for (const ToolSpec& tool : as_read.tools) ball_reach = std::max(ball_reach, ballRadius(tool, body.fine));
     body.thin = thinTissue(skin, body, ball_reach);
     body.common.gaps = std::make_shared<const SurfaceGaps>(gapsOf(body.scene, skin, body.surface));
     places.common.gaps.push_back(body.common.gaps);
