@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/turn.h"
 #include "discretization/surface/surface_geometry.h"
 
 namespace palpate::app {
@@ -73,7 +74,7 @@ SolidMesh surfaceMesh(const TriangleSurface& surface) {
 
 /// Turns z to `up` and shifts.
 SolidMesh put(SolidMesh mesh, const Vec3& up, const Vec3& at) {
-  const Eigen::Matrix3f turn = Quat::FromTwoVectors(Vec3::UnitZ(), up).toRotationMatrix().cast<float>();
+  const Eigen::Matrix3f turn = uprightOn(up).toRotationMatrix().cast<float>();
   for (SolidVertex& v : mesh.vertices) {
     v.position = turn * v.position + at.cast<float>();
     v.normal = turn * v.normal;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/turn.h"
+
 namespace palpate::app {
 
 namespace {
@@ -33,8 +35,6 @@ Vec3 awayAcross(const Camera& camera, const Vec3& axis) {
   const Vec3 away = across(camera.forward(), axis);
   return away.isZero() ? across(camera.up(), axis) : away;
 }
-
-Quat uprightOn(const Vec3& normal) { return Quat::FromTwoVectors(Vec3::UnitZ(), normal); }
 
 Vec3 rotationVector(const Quat& q) {
   const Eigen::AngleAxisd turn(q.w() < 0 ? Quat(-q.w(), -q.x(), -q.y(), -q.z()) : q);

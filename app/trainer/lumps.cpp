@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/number_text.h"
+#include "base/turn.h"
 #include "setup/build_model.h"
 #include "step/resolution.h"
 #include "step/step.h"
@@ -29,7 +30,7 @@ class Press {
         place_(place),
         workspace_(model, std::max(1, model.scene.dynamics.threads)),
         state_(initialState(model)) {
-    command_.tools[0].pose.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), place.normal);
+    command_.tools[0].pose.orientation = uprightOn(place.normal);
     state_.tool[0].pose = command_.tools[0].pose;
     state_.tool[0].pose.position = place.point + start_gap * place.normal;
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/turn.h"
+
 namespace palpate::app {
 
 namespace {
@@ -73,14 +75,13 @@ Pose Trainee::next(const State&, const StepReport& last) {
   const double time = static_cast<double>(k % ticks_per_place_) / rate_hz_;
   const SkinSurface::Place& place = places_[n];
   const auto over = [](const SkinSurface::Place& p) { return Vec3(p.point + hover * p.normal); };
-  const auto upright = [](const SkinSurface::Place& p) { return Quat(Quat::FromTwoVectors(Vec3::UnitZ(), p.normal)); };
 
   Pose pose;
-  pose.orientation = upright(place);
+  pose.orientation = uprightOn(place.normal);
   if (time < travel_seconds) {
     const double s = smooth(time / travel_seconds);
     const Vec3 from = n > 0 ? over(places_[n - 1]) : start_.position;
-    const Quat turned = n > 0 ? upright(places_[n - 1]) : start_.orientation;
+    const Quat turned = n > 0 ? uprightOn(places_[n - 1].normal) : start_.orientation;
     pose.position =
         from + s * (over(place) - from) + 4 * s * (1 - s) * 0.3 * (over(place) - from).norm() * place.normal;
     pose.orientation = turned.slerp(s, pose.orientation);

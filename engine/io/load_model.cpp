@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/parallel_for.h"
+#include "base/turn.h"
 #include "contact/first_contact_travel.h"
 #include "discretization/surface/solids.h"
 #include "discretization/surface/surface_bodies.h"
@@ -204,7 +205,7 @@ void checkTools(const Scene& scene, const TriangleSurface& organ, const std::fun
     if (!warn) continue;
     if (tool.jaws() && tool.friction == 0)
       warn(tool.place.text() + ": jaws without friction hold nothing; give them friction = 0.8");
-    const Pose start{tool.position, Quat::FromTwoVectors(-Vec3::UnitZ(), tool.direction)};
+    const Pose start{tool.position, uprightOn(-tool.direction)};
     if (!has_tool || tool.jaws()) continue;
     const double travel = firstContactTravel(organ, tool.shape, start);
     if (std::isinf(travel))

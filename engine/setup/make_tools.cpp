@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/input_error.h"
+#include "base/turn.h"
 #include "contact/contact.h"
 
 namespace palpate {
@@ -25,7 +26,7 @@ bool startsInside(const SurfaceTree& organ, const ToolSet& set, int tool, const 
   });
 }
 
-Pose startPose(const ToolSpec& spec) { return {spec.position, Quat::FromTwoVectors(-Vec3::UnitZ(), spec.direction)}; }
+Pose startPose(const ToolSpec& spec) { return {spec.position, uprightOn(-spec.direction)}; }
 
 }  // namespace
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/turn.h"
+
 using namespace palpate;
 
 namespace {
@@ -13,7 +15,7 @@ constexpr double touch = 0.03;  // m from the start pose to the skin
 Pose tiltedStart() {
   Pose start;
   start.position = Vec3(0.1, -0.2, 0.3);
-  start.orientation = Quat::FromTwoVectors(-Vec3::UnitZ(), Vec3(1, 2, -3));
+  start.orientation = uprightOn(Vec3(-1, -2, 3));
   return start;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/turn.h"
 #include "batch/static_solver.h"
 #include "contact/tools/tool_list.h"
 #include "discretization/surface/surface_geometry.h"
@@ -154,7 +155,7 @@ TEST_CASE("A tool comes to stand before a rigid body and slides along it", "[sim
     Scene scene = toolBefore(Region::Kind::Sphere);
     scene.tools[0].shape = ToolShape::of(ToolKind::Capsule, 0.01, 0.08);
     const Model model = test::blockModel(scene);
-    pose.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+    pose.orientation = uprightOn(Vec3::UnitY());
     pose.position = Vec3(0.2, -0.042, 0.035);
     const Vec3 at = RigidStop{0, 0, 1}.of(model, 0, {pose, 0}, {pose, 0}).pose.position;
     CHECK(at.z() == Approx(0.04 + kept).margin(2e-4));

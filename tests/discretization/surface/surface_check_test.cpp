@@ -5,6 +5,7 @@
 #include <chrono>
 #include <limits>
 
+#include "base/turn.h"
 #include "discretization/surface/refine_surface.h"
 #include "discretization/surface/solids.h"
 #include "discretization/surface/surface_geometry.h"
@@ -174,7 +175,7 @@ TEST_CASE("Faces that only touch do not pierce, however unlike their sizes", "[s
     TriangleSurface s = cube();
     const TriangleSurface upright = cube();
     TriangleSurface standing = upright;
-    const Quat on_corner = Quat::FromTwoVectors(Vec3(1, 1, 1).normalized(), Vec3::UnitZ());
+    const Quat on_corner = uprightOn(Vec3(1, 1, 1)).conjugate();
     for (Vec3& x : standing.vertices) x = on_corner * (x - upright.vertices[0]);
     append(s, standing, Vec3(0.1, 0.2, 1), scale, false);
     append(s, upright, Vec3(0.5 + scale / 2, 0.1, 0.3 - 0.5 * scale), scale, false);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/turn.h"
 #include "discretization/surface/surface_geometry.h"
 #include "scene/scene_regions.h"
 
@@ -85,7 +86,7 @@ std::vector<DragWay> dragWays(const Scene& scene, const SurfaceTree& organ, cons
 
 std::vector<ToolPosture> posturesOn(const DragWay& way, const Scene& scene, const DragSettings& settings) {
   std::vector<ToolPosture> postures;
-  Pose pose{way.tip.front(), Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tools[0].direction)};
+  Pose pose{way.tip.front(), uprightOn(-scene.tools[0].direction)};
   const int down = static_cast<int>(std::lround(down_seconds * scene.dynamics.rate_hz));
   const double above = (settings.depth + 0.5) * scene.tools[0].shape.radius;
   for (int k = 0; k <= down; ++k) {
